@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// Everything. From a host's CMake: find_package(comminute) and link comminute::comminute.
+
+#include "comminute/criterion.hpp"
+#include "comminute/error.hpp"
+#include "comminute/fabric.hpp"
+#include "comminute/fragments.hpp"
+#include "comminute/full_convolution.hpp"
+#include "comminute/grading.hpp"
+#include "comminute/grid.hpp"
+#include "comminute/kernel.hpp"
+#include "comminute/material.hpp"
+#include "comminute/settle.hpp"
+#include "comminute/slow_update.hpp"
+#include "comminute/version.hpp"
+#include "comminute/view.hpp"

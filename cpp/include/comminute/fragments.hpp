@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <variant>
+#include <vector>
+
+#include "comminute/view.hpp"
+
+namespace comminute {
+
+/// Weibull law of the size-reduction factor X, truncated to (0, 1] (Eq. 3); the default is Eq. 4.
+///
+/// All fragment laws speak of R = ln X <= 0, the log reduction; a packet of log size psi goes to psi + R.
+///
+/// @code{.cpp}
+/// comminute::WeibullFragments law;  // scale 1, shape 1
+/// CHECK(law.pdf(0.0) == doctest::Approx(std::exp(-1.0) / (1.0 - std::exp(-1.0))));
+/// CHECK(law.cdf(0.0) == 1.0);
+/// @endcode
+struct WeibullFragments {
+    double scale = 1.0;  ///< lambda > 0
+    double shape = 1.0;  ///< kappa > 0
+
+    double pdf(double r) const;
+    double cdf(double r) const;
+    /// A length in r over which the density is smooth: quadratures take panels no longer than this.
+    double smooth_length() const;
+    void validate() const;
+    friend bool operator==(const WeibullFragments& a, const WeibullFragments& b) {
+        return a.scale == b.scale && a.shape == b.shape;
+    }
+};
+
+/// Power law in X: P[X <= x] = x^exponent on (0, 1]; exponent 1 is uniform X.
+///
+/// @code{.cpp}
+/// CHECK(comminute::PowerLawFragments{}.cdf(std::log(0.25)) == doctest::Approx(0.25));
+/// @endcode
+struct PowerLawFragments {
+    double exponent = 1.0;  ///< > 0
+
+    double pdf(double r) const;
+    double cdf(double r) const;
+    double smooth_length() const;
+    void validate() const;
+    friend bool operator==(const PowerLawFragments& a, const PowerLawFragments& b) {
+        return a.exponent == b.exponent;
+    }
+};
+
+using FragmentLaw = std::variant<WeibullFragments, PowerLawFragments>;
+
+/// How a law in r becomes a pmf in bins.
+enum class FragmentRule {
+    paper,         ///< f_m = P[-m h < R <= -(m-1) h]: every crush moves at least one bin (below Eq. 58)
+    conservative,  ///< finite volumes: mass uniform in its bin, shifted by R, lands by overlap; second order
+};
+
+/// One crush on the grid: the share of the mass that moves down by m bins.
+struct FragmentPmf {
+    std::vector<double> mass;   ///< (N) f_m, m = 0 .. N-1; f_0 = 0 under the paper's rule
+    std::vector<double> below;  ///< (N) sum of f_t over t >= m: from bin m, what ends in the fines bin
+};
+
+/// @param spacing  bin width h > 0
+/// @param bins     N >= 1
+/// @throws ParameterError for a law or a size outside its range
+///
+/// @code{.cpp}
+/// auto f = comminute::fragment_pmf(comminute::PowerLawFragments{}, std::log(2.0), 8,
+///                                  comminute::FragmentRule::paper);
+/// CHECK(f.mass[0] == 0.0);
+/// CHECK(f.mass[1] == doctest::Approx(0.5));   // uniform X: half of the fragments within one halving
+/// CHECK(f.below[2] == doctest::Approx(0.5));
+/// @endcode
+FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins, FragmentRule rule);
+
+}  // namespace comminute

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "comminute/kernel.hpp"
+
+namespace comminute {
+
+/// How long FFTW may look for a fast plan when an engine is made.
+enum class PlanEffort { estimate, measure };
+
+/// One step of Eq. 61 with any kernel, every active cell at once, by separable linear convolutions in FFTW.
+///
+/// With the mass masked by what crushes into a (psi), b (psibar) and c (both), the step is
+/// p' = rest + f *_psi (a + f *_psibar c) + f *_psibar b, O(N^2 log N). Mass at rest never passes through a
+/// transform. FFT noise is removed line by line: nothing above a line's coarsest source, no negative entry,
+/// and the fines bin takes what was crushed less what landed (a deficit there is taken from the line's
+/// largest entry).
+///
+/// Owns its workspace (about one state); use one object per thread. A step allocates nothing.
+///
+/// @throws UnavailableError if the library was built without FFTW
+///
+/// @code{.cpp}
+/// #ifdef COMMINUTE_HAS_FFTW
+/// comminute::LogGrid grid(-6.0, 1.0, 64);
+/// comminute::FullConvolution engine(
+///     comminute::Kernel(grid, comminute::Material{}, comminute::KernelKind::exact));
+/// std::vector<double> p(64 * 64, 0.0);
+/// p[54 * 64 + 54] = 1.0;
+/// comminute::MatrixView<double> state(p.data(), 64, 64);
+/// auto report = engine.step(state, 100.0, state);
+/// CHECK(report.crushed == 1.0);
+/// CHECK(p[54 * 64 + 54] == 0.0);
+/// #endif
+/// @endcode
+class FullConvolution {
+  public:
+    explicit FullConvolution(Kernel kernel, PlanEffort effort = PlanEffort::estimate);
+    ~FullConvolution();
+    FullConvolution(FullConvolution&&) noexcept;
+    FullConvolution& operator=(FullConvolution&&) noexcept;
+    FullConvolution(const FullConvolution&) = delete;
+    FullConvolution& operator=(const FullConvolution&) = delete;
+
+    /// @param p    (N, N) state before the step, finite
+    /// @param out  (N, N) state after it; may be p itself
+    /// @throws ShapeError for other shapes or a partial overlap, ParameterError for a bad load or an entry
+    /// that is
+    ///         not finite; `out` is then untouched
+    StepReport step(MatrixView<const double> p, double stress_ratio, MatrixView<double> out);
+
+    const Kernel& kernel() const;
+
+  private:
+    struct Workspace;
+    std::unique_ptr<Workspace> work_;
+};
+
+/// Whether this build has FFTW, and so FullConvolution.
+bool has_fftw();
+
+}  // namespace comminute

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "comminute/fabric.hpp"
+#include "comminute/material.hpp"
+
+namespace comminute {
+
+/// A few exact sizes: monodisperse or gap-graded packings.
+struct PointMasses {
+    std::vector<double> size;   ///< > 0, ascending
+    std::vector<double> share;  ///< of the mass, each > 0, sum 1
+
+    double finer(double size_at) const;
+    friend bool operator==(const PointMasses& a, const PointMasses& b) {
+        return a.size == b.size && a.share == b.share;
+    }
+};
+
+/// Power law N(> s) ~ s^-alpha between two sizes, by mass
+/// F = (s^(3-alpha) - s_m^(3-alpha)) / (s_M^(3-alpha) - s_m^(3-alpha)); alpha = 3 is uniform in ln s.
+struct PowerLawGrading {
+    double fractal_dimension;
+    double smallest;
+    double largest;
+
+    double finer(double size_at) const;
+    friend bool operator==(const PowerLawGrading& a, const PowerLawGrading& b) {
+        return a.fractal_dimension == b.fractal_dimension && a.smallest == b.smallest &&
+               a.largest == b.largest;
+    }
+};
+
+/// Measured points, linear in ln d between sieves; below the finest a power law F = F_1 (d / d_1)^tail_slope.
+struct SieveCurve {
+    std::vector<double> size;        ///< > 0, ascending
+    std::vector<double> finer_than;  ///< fractions, never falling, last 1
+    double tail_slope = 0.0;         ///< > 0 where finer_than[0] > 0
+
+    double finer(double size_at) const;
+    friend bool operator==(const SieveCurve& a, const SieveCurve& b) {
+        return a.size == b.size && a.finer_than == b.finer_than && a.tail_slope == b.tail_slope;
+    }
+};
+
+using GradingLaw = std::variant<PointMasses, PowerLawGrading, SieveCurve>;
+
+/// How much of the mass is finer than each size, at the start. Make one with the functions below.
+struct Grading {
+    GradingLaw law;
+    std::string unit;                ///< of the sizes, as text ("mm"); empty where sizes are relative
+    std::vector<std::string> notes;  ///< what was assumed in making it, in plain words
+
+    /// Mass fraction of grains no larger than `size`. @throws ParameterError unless size > 0
+    double finer(double size) const;
+    /// Largest size; no grain is larger.
+    double largest() const;
+    /// Size below which a share `tail` of the mass lies, 0 for the smallest size (0 if a tail runs on for
+    /// ever).
+    double smallest(double tail = 0.0) const;
+    /// (N) mass by bin; what is finer than the grid goes to the fines bin. Sums to 1.
+    /// @throws ParameterError if a grain is larger than the grid's last edge
+    std::vector<double> on_grid(const LogGrid& grid) const;
+
+    friend bool operator==(const Grading& a, const Grading& b) { return a.law == b.law && a.unit == b.unit; }
+};
+
+/// @name Makers. All throw ParameterError naming the parameter, its value and the rule.
+///
+/// @code{.cpp}
+/// CHECK(comminute::monodisperse(2.0).finer(1.99) == 0.0);
+/// CHECK(comminute::gap_graded(1.0, 0.1, 0.25).finer(0.5) == 0.75);
+/// CHECK(comminute::power_law(2.5, 1e-3, 1.0).finer(1.0) == 1.0);
+/// auto sand = comminute::sieve_grading({0.5, 1.0, 2.0}, {0.0, 50.0, 100.0}, "mm");
+/// CHECK(sand.finer(1.0) == 0.5);
+/// @endcode
+///@{
+Grading monodisperse(double size);
+/// @param coarse_share  of the mass, in [0, 1]
+Grading gap_graded(double coarse, double fine, double coarse_share = 0.5);
+/// @param fractal_dimension  alpha; 0 < smallest < largest
+Grading power_law(double fractal_dimension, double smallest, double largest);
+/// @param size           two or more sieve openings in any order, all different
+/// @param percent_finer  one a sieve, 0 to 100, never falling with size, 100 at the coarsest; a curve that
+/// ends at
+///                       exactly 1 is read as fractions (a note says so)
+/// @param extend_top     close a curve that stops short of 100 %: carry the last slope in ln d on to 100 % (a
+/// note says so)
+Grading sieve_grading(std::vector<double> size, std::vector<double> percent_finer, std::string unit = "mm",
+                      bool extend_top = false);
+///@}
+
+Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mean::arithmetic);
+
+/// A grid that fits: its top edge at the largest grain, the fines bin below both the finest grains and the
+/// zone of the largest load, point masses on bin centres (the two coarsest at least).
+/// @param max_stress_ratio  largest load to come, >= 0
+/// @param spacing           wanted bin width, > 0; the grid's is no larger
+///
+/// @code{.cpp}
+/// auto grid = comminute::fitting_grid(comminute::gap_graded(1.0, 0.1), comminute::Material{}, 100.0);
+/// CHECK(grid.psi_max() == 0.0);
+/// CHECK(grid.centre(grid.bin_of(std::log(0.1))) == doctest::Approx(std::log(0.1)));
+/// @endcode
+LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,
+                     double spacing = 0.02);
+
+/// Size D_x such that `percent` of the mass is finer: inf{d : F(d) >= percent/100}, linear in ln d inside a
+/// bin. On a plateau this is its lower end.
+/// @param cdf      (N) fraction finer than the upper edge of each bin
+/// @param percent  in [0, 100]
+/// @throws ParameterError if D_x lies in the fines bin, where no size is known, or above the top
+double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent);
+
+}  // namespace comminute

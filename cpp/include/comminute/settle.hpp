@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+
+#include "comminute/full_convolution.hpp"
+#include "comminute/slow_update.hpp"
+
+namespace comminute {
+
+/// A state is at rest under a load once the mass inside the zone has fallen below this share of the whole.
+inline constexpr double rest_tolerance = 1e-18;
+
+/// Repeats an engine's step under one load until the state is at rest, or `steps` times.
+///
+/// @param state   (N, N), updated in place
+/// @param steps   how many; 0 means until at rest (see rest_tolerance)
+/// @param go_on   asked before each step; if it answers false the run stops there, with a state that is valid
+/// @return        sums over the steps; `active` is what the last step found inside the zone
+/// @throws        as step(); ParameterError for a negative number of steps
+///
+/// @code{.cpp}
+/// comminute::LogGrid grid(-12.0, 0.0, 128);
+/// comminute::SlowUpdate engine(grid, comminute::Material{});
+/// std::vector<double> p(128 * 128, 0.0);
+/// p.back() = 1.0;   // s = 1 among equals
+/// auto report = comminute::settle(engine, {p.data(), 128, 128}, 8.0);
+/// CHECK(report.steps > 1);
+/// CHECK(report.active < 1e-18);
+/// @endcode
+StepReport settle(SlowUpdate& engine, MatrixView<double> state, double stress_ratio, Index steps = 0,
+                  const std::function<bool()>& go_on = {});
+StepReport settle(FullConvolution& engine, MatrixView<double> state, double stress_ratio, Index steps = 0,
+                  const std::function<bool()>& go_on = {});
+
+}  // namespace comminute

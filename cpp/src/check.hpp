@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "comminute/error.hpp"
+#include "comminute/view.hpp"
+
+namespace comminute {
+
+inline std::string shape_text(Index rows, Index cols) {
+    return "(" + std::to_string(rows) + ", " + std::to_string(cols) + ")";
+}
+
+/// Throws ShapeError unless the view is bins x bins.
+template <class T>
+void require_square(MatrixView<T> m, Index bins, const char* name) {
+    if (m.rows() == bins && m.cols() == bins && m.stride() >= m.cols()) return;
+    throw ShapeError(std::string(name) + " has shape " + shape_text(m.rows(), m.cols()) +
+                     "; the grid needs " + shape_text(bins, bins));
+}
+
+/// Throws ShapeError if the two views share memory without being the same view.
+inline void require_same_or_apart(MatrixView<const double> p, MatrixView<double> out) {
+    if (p.data() == out.data() && p.stride() == out.stride()) return;
+    const double* p_end = p.row(p.rows() - 1) + p.cols();
+    const double* out_end = out.row(out.rows() - 1) + out.cols();
+    const std::less<const double*> before;
+    if (!before(p.data(), out_end) || !before(out.data(), p_end)) return;
+    throw ShapeError("out overlaps p in part; pass p itself to step in place, or an array of its own");
+}
+
+}  // namespace comminute

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "comminute/error.hpp"
+#include "comminute/grading.hpp"
+
+namespace comminute {
+namespace {
+
+struct Point {
+    double size;
+    double finer;
+    std::size_t row;  // where the user wrote it, counted from 1
+};
+
+std::string row_text(const Point& point) {
+    return "row " + std::to_string(point.row);
+}
+
+std::vector<Point> sorted_points(const std::vector<double>& size, const std::vector<double>& percent_finer) {
+    if (size.size() != percent_finer.size()) {
+        throw ShapeError("size has " + std::to_string(size.size()) + " entries and percent_finer has " +
+                         std::to_string(percent_finer.size()) + "; give one per cent finer for each size");
+    }
+    if (size.size() < 2) {
+        throw ParameterError("the sieve curve has " + std::to_string(size.size()) +
+                             " points; it must have at least 2");
+    }
+    std::vector<Point> points;
+    for (std::size_t q = 0; q < size.size(); ++q) {
+        const Point point{size[q], percent_finer[q], q + 1};
+        if (!(point.size > 0.0 && std::isfinite(point.size))) {
+            throw ParameterError(row_text(point) + ": size is " + text(point.size) +
+                                 "; it must be greater than 0 and finite");
+        }
+        if (!(point.finer >= 0.0 && point.finer <= 100.0)) {
+            throw ParameterError(row_text(point) + ": percent_finer is " + text(point.finer) +
+                                 "; it must be between 0 and 100");
+        }
+        points.push_back(point);
+    }
+    std::stable_sort(points.begin(), points.end(),
+                     [](const Point& a, const Point& b) { return a.size < b.size; });
+    return points;
+}
+
+void require_rising(const std::vector<Point>& points, const std::string& unit) {
+    const std::string in_unit = unit.empty() ? "" : " " + unit;
+    for (std::size_t q = 1; q < points.size(); ++q) {
+        const Point& below = points[q - 1];
+        const Point& here = points[q];
+        if (here.size == below.size) {
+            throw ParameterError(row_text(here) + ": size " + text(here.size) + in_unit + " stands in " +
+                                 row_text(below) + " already; each sieve may appear once");
+        }
+        if (here.finer < below.finer) {
+            throw ParameterError(row_text(here) + ": " + text(here.finer) + " % finer at " + text(here.size) +
+                                 in_unit + " is less than " + text(below.finer) + " % at " +
+                                 text(below.size) + in_unit +
+                                 "; cumulative per cent finer cannot fall with size. Retained percentages? "
+                                 "convert them to per cent finer first");
+        }
+    }
+}
+
+// A curve that stops short of 100 % is closed, if asked for, along its last slope in ln d.
+void close_top(std::vector<Point>& points, const std::string& unit, bool extend,
+               std::vector<std::string>& notes) {
+    const Point last = points.back();
+    if (last.finer == 100.0) return;
+    const Point before = points[points.size() - 2];
+    const std::string in_unit = unit.empty() ? "" : " " + unit;
+    const std::string found = "the coarsest sieve, " + text(last.size) + in_unit + ", has " +
+                              text(last.finer) + " % finer, not 100 %";
+    if (!extend || last.finer == before.finer) {
+        throw ParameterError(found + "; add the size that all grains pass" +
+                             (extend ? " (top = \"extend\" cannot: the curve is flat there)"
+                                     : ", or pass top = \"extend\" to carry the last slope on to 100 %"));
+    }
+    const double slope = (last.finer - before.finer) / std::log(last.size / before.size);
+    const double top = last.size * std::exp((100.0 - last.finer) / slope);
+    points.push_back({top, 100.0, 0});
+    notes.push_back(found + ": the curve is carried on at its last slope to 100 % at " + text(top) + in_unit);
+}
+
+// Plateaus at 0 % and at 100 % say nothing but where the grains end.
+void trim(std::vector<Point>& points) {
+    while (points.size() > 2 && points[points.size() - 2].finer == 100.0) points.pop_back();
+    while (points.size() > 2 && points[1].finer == 0.0) points.erase(points.begin());
+}
+
+double tail_slope(const std::vector<Point>& points, const std::string& unit,
+                  std::vector<std::string>& notes) {
+    const Point& finest = points[0];
+    const Point& next = points[1];
+    if (finest.finer == 0.0) return 0.0;
+    const std::string in_unit = unit.empty() ? "" : " " + unit;
+    const double slope = std::log(next.finer / finest.finer) / std::log(next.size / finest.size);
+    const std::string found =
+        text(finest.finer) + " % is finer than the finest sieve, " + text(finest.size) + in_unit;
+    if (!(slope > 0.0)) {
+        throw ParameterError(found +
+                             ", and the curve is flat above it, so no tail can be read from it; add a size "
+                             "with 0 % finer");
+    }
+    notes.push_back(found + ": it continues as a power law of slope " + text(std::round(1e4 * slope) / 1e4) +
+                    ", through the two finest points");
+    return slope;
+}
+
+}  // namespace
+
+Grading sieve_grading(std::vector<double> size, std::vector<double> percent_finer, std::string unit,
+                      bool extend_top) {
+    std::vector<std::string> notes;
+    std::vector<Point> points = sorted_points(size, percent_finer);
+    if (points.back().finer == 1.0) {
+        for (Point& point : points) point.finer *= 100.0;
+        notes.emplace_back("the values end at 1: read as fractions, not per cent");
+    }
+    require_rising(points, unit);
+    close_top(points, unit, extend_top, notes);
+    trim(points);
+    SieveCurve curve;
+    curve.tail_slope = tail_slope(points, unit, notes);
+    for (const Point& point : points) {
+        curve.size.push_back(point.size);
+        curve.finer_than.push_back(point.finer / 100.0);
+    }
+    return {std::move(curve), std::move(unit), std::move(notes)};
+}
+
+}  // namespace comminute
