@@ -26,7 +26,7 @@ inline void require_same_or_apart(MatrixView<const double> p, MatrixView<double>
     if (p.data() == out.data() && p.stride() == out.stride()) return;
     const double* p_end = p.row(p.rows() - 1) + p.cols();
     const double* out_end = out.row(out.rows() - 1) + out.cols();
-    const std::less<const double*> before;
+    const std::less<> before;  // a total order, also between arrays
     if (!before(p.data(), out_end) || !before(out.data(), p_end)) return;
     throw ShapeError("out overlaps p in part; pass p itself to step in place, or an array of its own");
 }

@@ -55,9 +55,6 @@ double stress_ratio_at(const Material& material, double logspace_load) {
 CrushZones::CrushZones(const LogGrid& grid, const Material& material, double stress_ratio)
     : grid_(grid),
       material_(material),
-      stress_ratio_(0.0),
-      log_load_(-infinity),
-      magnitude_(0.0),
       band_(static_cast<std::size_t>(grid.bins())),
       overlap_(static_cast<std::size_t>(grid.bins())) {
     material_.validate();
@@ -74,7 +71,8 @@ bool CrushZones::crushes(double psi, double distance) const {
     const double strength = 3.0 / material_.weibull_modulus;
     const double contrast = distance / material_.fabric_width;
     const double cushion = 0.5 * contrast * contrast;
-    const double slack = 8.0 * epsilon * (2.0 * strength * magnitude_ + cushion + std::abs(log_load_));
+    const double rounding = strength * magnitude_ + contrast * magnitude_ / material_.fabric_width;
+    const double slack = 8.0 * epsilon * (std::abs(log_load_) + rounding);
     return log_load_ + strength * (psi - std::log(material_.reference_size)) + slack >= cushion;
 }
 

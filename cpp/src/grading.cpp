@@ -156,18 +156,19 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
             "finite; with no bound on the load a grid must be given");
     require(spacing > 0.0 && std::isfinite(spacing), "spacing", spacing, "greater than 0 and finite");
 
-    constexpr double tail = 1e-3;  // share of the finest fragments, or grains, that may start out as fines
+    constexpr double finest_grains = 1e-3;  // shares that may fall below the grid
+    constexpr double finest_fragments = 1e-2;
     const double top = std::log(grading.largest());
-    double bottom = std::log(grading.smallest(tail));
+    double bottom = std::log(grading.smallest(finest_grains));
     const double strength = 3.0 / material.weibull_modulus;
     const double crushable =
         std::log(material.reference_size) - std::log(std::max(max_stress_ratio, 1e-300)) / strength;
-    if (crushable < top) {
+    if (crushable < top + spacing) {
         double reach = 0.0;  // of the fragments of the smallest grain that crushes
         const auto finer = [&](double r) {
             return std::visit([r](const auto& law) { return law.cdf(r); }, material.fragments);
         };
-        while (finer(-reach) > tail && reach < 20.0) reach += 0.25;
+        while (finer(-reach) > finest_fragments && reach < 20.0) reach += 0.25;
         const double band = std::min(0.25 * material.k(), 1.0);  // the zone's lowest point below its tip
         bottom = std::min(bottom, crushable - band - reach);
     }
@@ -187,25 +188,30 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
     return {psi_max - static_cast<double>(below_top) * h, psi_max, below_top + 1};
 }
 
-double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent) {
+double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate) {
     require(percent >= 0.0 && percent <= 100.0, "percent", percent, "between 0 and 100");
     if (cdf.size() != grid.bins()) {
         throw ShapeError("cdf has " + std::to_string(cdf.size()) + " entries; the grid has " +
                          std::to_string(grid.bins()) + " bins");
     }
-    const double finer = percent / 100.0;
     constexpr double rounding = 1e-12;  // a cdf is a sum: its plateaus and its 1 are good to this
-    const auto* bin = std::find_if(cdf.begin(), cdf.end(), [&](double f) { return f >= finer - rounding; });
-    const auto i = bin - cdf.begin();
+    const double finer = percent / 100.0;
     const std::string name = "D" + text(percent);
+    const auto* bin = std::find_if(cdf.begin(), cdf.end(), [&](double f) { return f >= finer - rounding; });
+    if (bin == cdf.end()) {
+        throw ParameterError(name + " lies above the largest size: only " +
+                             text(100.0 * cdf[cdf.size() - 1]) + " % are finer");
+    }
+    const auto i = bin - cdf.begin();
     if (i == 0) {
+        const double slope = std::log(cdf[1] / cdf[0]) / grid.spacing();
+        if (extrapolate && finer > 0.0 && slope > 0.0) {
+            return std::exp(grid.edge(1) + std::log(finer / cdf[0]) / slope);
+        }
         throw ParameterError(name + " lies in the fines bin, which holds " + text(100.0 * cdf[0]) +
                              " % below a size of " + text(std::exp(grid.edge(1))) +
-                             "; lower psi_min to resolve it");
+                             "; lower psi_min to resolve it, or pass extrapolate = true");
     }
-    if (bin == cdf.end())
-        throw ParameterError(name + " lies above the largest size: only " + text(100.0 * cdf[i - 1]) +
-                             " % are finer");
     const double below = cdf[i - 1];
     const double fraction = *bin > below ? std::clamp((finer - below) / (*bin - below), 0.0, 1.0) : 1.0;
     return std::exp(grid.edge(i) + fraction * grid.spacing());

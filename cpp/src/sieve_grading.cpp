@@ -112,8 +112,8 @@ double tail_slope(const std::vector<Point>& points, const std::string& unit,
 
 }  // namespace
 
-Grading sieve_grading(std::vector<double> size, std::vector<double> percent_finer, std::string unit,
-                      bool extend_top) {
+Grading sieve_grading(const std::vector<double>& size, const std::vector<double>& percent_finer,
+                      std::string unit, bool extend_top) {
     std::vector<std::string> notes;
     std::vector<Point> points = sorted_points(size, percent_finer);
     if (points.back().finer == 1.0) {

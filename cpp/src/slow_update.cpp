@@ -13,6 +13,8 @@ namespace {
 using Line = Eigen::Map<Eigen::ArrayXd>;
 using ConstLine = Eigen::Map<const Eigen::ArrayXd>;
 
+constexpr Index lifted_at_once = 1 << 15;  // masses, 256 KiB
+
 void require_finite(double mass, Index i, Index j) {
     if (std::isfinite(mass)) return;
     throw ParameterError("p[" + std::to_string(i) + ", " + std::to_string(j) + "] is " + text(mass) +
@@ -26,8 +28,10 @@ SlowUpdate::SlowUpdate(const LogGrid& grid, const Material& material, FragmentRu
       zones_(grid, material, 0.0),
       fragments_reversed_(kernel_.fragments().mass.rbegin(), kernel_.fragments().mass.rend()),
       in_row_(static_cast<std::size_t>(grid.bins())),
-      in_column_(static_cast<std::size_t>(grid.bins())),
-      moving_(static_cast<std::size_t>(grid.bins())) {}
+      in_column_(static_cast<std::size_t>(grid.bins())) {
+    lifted_.reserve(static_cast<std::size_t>(grid.bins()));
+    lifted_mass_.reserve(static_cast<std::size_t>(std::max(grid.bins(), lifted_at_once)));
+}
 
 // Finds the active mass, and refuses what is not a number before anything has moved.
 void SlowUpdate::look(MatrixView<const double> p) {
@@ -62,45 +66,58 @@ void SlowUpdate::look(MatrixView<const double> p) {
     report_.active = report_.crushed + report_.crushed_neighbour;
 }
 
-// Fragments of a shell's two arms land in shells already done, those of its diagonal cell in its own arms:
-// with the shells in ascending order and the diagonal last, nothing that lands is spread again in the same
-// step.
-void SlowUpdate::spread_shell(Index m, MatrixView<double> p) {
+// What crushes in psibar lands in its own row, which lies in memory as it is spread: done at once.
+void SlowUpdate::spread_along_rows(Index m, MatrixView<double> p) {
     const auto at = static_cast<std::size_t>(m);
-    const std::vector<double>& f = kernel_.fragments().mass;
+    const double f0 = kernel_.fragments().mass[0];
     const double below = kernel_.fragments().below[at];
-    // f_{m - c} for c = 1 .. m-1, so that a line is written in the order it lies in memory
+    // f_{m - c} for c = 1 .. m-1
     const ConstLine onto_line(fragments_reversed_.data() + p.rows() - m, m - 1);
-
-    const Run row = in_row_[at];
-    if (row.end > row.begin) {
-        const Index cells = row.end - row.begin;
-        Line moving(moving_.data(), cells);
-        Line source(p.row(m) + row.begin, cells);
-        moving = source;
-        source = f[0] * moving;
-        for (Index t = 1; t < m; ++t) {
-            Line(p.row(m - t) + row.begin, cells) += f[static_cast<std::size_t>(t)] * moving;
-        }
-        Line(p.row(0) + row.begin, cells) += below * moving;
-    }
-
-    const Run column = in_column_[at];
-    for (Index i = column.begin; i < column.end; ++i) {
+    for (Index i = in_column_[at].begin; i < in_column_[at].end; ++i) {
         const double mass = p(i, m);
         if (mass == 0.0) continue;
-        p(i, m) = f[0] * mass;
+        p(i, m) = f0 * mass;
         Line(p.row(i) + 1, m - 1) += mass * onto_line;
         p(i, 0) += mass * below;
     }
+}
 
-    if (zones_.band(m) < 0 || p(m, m) == 0.0) return;
-    const double half = 0.5 * p(m, m);
-    p(m, m) = 2.0 * f[0] * half;
-    Line(p.row(m) + 1, m - 1) += half * onto_line;
-    p(m, 0) += half * below;
-    for (Index i = 1; i < m; ++i) p(i, m) += half * f[static_cast<std::size_t>(m - i)];
-    p(0, m) += half * below;
+// What crushes in psi is taken out of row m, the diagonal cell with half its mass; the other half goes along the row.
+void SlowUpdate::lift_row(Index m, MatrixView<double> p) {
+    const auto at = static_cast<std::size_t>(m);
+    const double f0 = kernel_.fragments().mass[0];
+    const double on_diagonal = zones_.band(m) < 0 ? 0.0 : p(m, m);
+    Run run = in_row_[at];
+    if (on_diagonal != 0.0) run = {run.end > run.begin ? run.begin : m, m + 1};
+    if (run.end == run.begin) return;
+
+    lifted_.push_back({m, run.begin, run.end, static_cast<Index>(lifted_mass_.size())});
+    lifted_mass_.insert(lifted_mass_.end(), p.row(m) + run.begin, p.row(m) + run.end);
+    for (Index j = run.begin; j < run.end; ++j) p(m, j) *= f0;
+    if (on_diagonal == 0.0) return;
+    const double half = 0.5 * on_diagonal;
+    lifted_mass_.back() = half;
+    Line(p.row(m) + 1, m - 1) += half * ConstLine(fragments_reversed_.data() + p.rows() - m, m - 1);
+    p(m, 0) += half * kernel_.fragments().below[at];
+}
+
+// Row after row of targets, so that the state is walked in the order it lies in memory, once for all lifted runs.
+void SlowUpdate::spread_along_columns(MatrixView<double> p) {
+    const std::vector<double>& f = kernel_.fragments().mass;
+    const std::vector<double>& below = kernel_.fragments().below;
+    auto first = lifted_.cbegin();
+    for (Index r = 0; !lifted_.empty() && r < lifted_.back().shell; ++r) {
+        while (first->shell <= r) ++first;
+        double* row = p.row(r);
+        for (auto run = first; run != lifted_.cend(); ++run) {
+            const double share = r == 0 ? below[static_cast<std::size_t>(run->shell)]
+                                        : f[static_cast<std::size_t>(run->shell - r)];
+            const double* mass = lifted_mass_.data() + run->mass;
+            for (Index j = run->begin; j < run->end; ++j) row[j] += share * mass[j - run->begin];
+        }
+    }
+    lifted_.clear();
+    lifted_mass_.clear();
 }
 
 StepReport SlowUpdate::step(MatrixView<const double> p, double stress_ratio, MatrixView<double> out) {
@@ -115,7 +132,16 @@ StepReport SlowUpdate::step(MatrixView<const double> p, double stress_ratio, Mat
     if (out.data() != p.data()) {
         for (Index i = 0; i < bins; ++i) std::copy_n(p.row(i), bins, out.row(i));
     }
-    for (Index m = 1; m < bins; ++m) spread_shell(m, out);
+    // Fragments of a shell's arms land in lower shells, those of its diagonal cell in its own arms. With the shells in
+    // ascending order, and a shell's arms taken out before anything lands in them, nothing is spread twice.
+    for (Index m = 1; m < bins; ++m) {
+        if (static_cast<Index>(lifted_mass_.size()) + m + 1 > static_cast<Index>(lifted_mass_.capacity())) {
+            spread_along_columns(out);
+        }
+        spread_along_rows(m, out);
+        lift_row(m, out);
+    }
+    spread_along_columns(out);
     return report_;
 }
 

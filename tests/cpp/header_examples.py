@@ -14,7 +14,8 @@ def examples(header: Path) -> list[str]:
 
 def main(out: Path, headers: list[Path]) -> None:
     """Write the test source; a header without any example only declares plain data."""
-    parts = ["#include <comminute/comminute.hpp>\n#include <doctest/doctest.h>\n#include <cmath>\n#include <numeric>\n"]
+    included = ("comminute/comminute.hpp", "doctest/doctest.h", "cmath", "numeric")
+    parts = ["".join(f"#include <{name}>\n" for name in included)]
     for header in headers:
         for number, body in enumerate(examples(header), 1):
             parts.append(f'TEST_CASE("{header.name}, example {number}") {{\n{body}}}\n')

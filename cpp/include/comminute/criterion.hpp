@@ -93,9 +93,9 @@ class CrushZones {
 
     LogGrid grid_;
     Material material_;
-    double stress_ratio_;
-    double log_load_;   // ln sigma*
-    double magnitude_;  // of the rounding in a log size, see crushes()
+    double stress_ratio_ = 0.0;
+    double log_load_ = 0.0;   // ln sigma*
+    double magnitude_ = 0.0;  // of the rounding in a log size, see crushes()
     std::vector<Index> band_;
     std::vector<Index> overlap_;
 };

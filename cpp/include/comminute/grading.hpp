@@ -90,8 +90,8 @@ Grading power_law(double fractal_dimension, double smallest, double largest);
 ///                       exactly 1 is read as fractions (a note says so)
 /// @param extend_top     close a curve that stops short of 100 %: carry the last slope in ln d on to 100 % (a
 /// note says so)
-Grading sieve_grading(std::vector<double> size, std::vector<double> percent_finer, std::string unit = "mm",
-                      bool extend_top = false);
+Grading sieve_grading(const std::vector<double>& size, const std::vector<double>& percent_finer,
+                      std::string unit = "mm", bool extend_top = false);
 ///@}
 
 Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mean::arithmetic);
@@ -113,7 +113,9 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
 /// bin. On a plateau this is its lower end.
 /// @param cdf      (N) fraction finer than the upper edge of each bin
 /// @param percent  in [0, 100]
+/// @param extrapolate  continue a curve that ends in the fines bin as a power law through its two finest points
 /// @throws ParameterError if D_x lies in the fines bin, where no size is known, or above the top
-double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent);
+double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent,
+                  bool extrapolate = false);
 
 }  // namespace comminute

@@ -9,9 +9,9 @@ namespace comminute {
 /// it that hold mass, each along its row or column (Section 8.2). Equal to FullConvolution with the slow
 /// kernel.
 ///
-/// Costs one look at the band plus O(N) for each active cell: after a small rise of the load those are the
-/// O(N) cells at the zone's boundary. Never makes a negative entry. One object per thread; a step allocates
-/// nothing.
+/// Costs one look at the band plus O(N) for each active cell: where the state was at rest and the load has risen a
+/// little, those are the O(N) cells at the zone's boundary. Never makes a negative entry. One object per thread; a step
+/// allocates nothing.
 ///
 /// @throws ParameterError for a bad material
 ///
@@ -43,15 +43,25 @@ class SlowUpdate {
         Index begin = 0;
         Index end = 0;
     };
+    /// A run taken out of row `shell`, waiting to be spread up its columns.
+    struct Lifted {
+        Index shell;
+        Index begin;
+        Index end;
+        Index mass;  // where its masses start in lifted_mass_
+    };
     void look(MatrixView<const double> p);
-    void spread_shell(Index m, MatrixView<double> p);
+    void spread_along_rows(Index m, MatrixView<double> p);
+    void lift_row(Index m, MatrixView<double> p);
+    void spread_along_columns(MatrixView<double> p);
 
     Kernel kernel_;
     CrushZones zones_;
     std::vector<double> fragments_reversed_;
     std::vector<Run> in_row_;     // cells (m, j < m): psi crushes
     std::vector<Run> in_column_;  // cells (i < m, m): psibar crushes
-    std::vector<double> moving_;
+    std::vector<Lifted> lifted_;
+    std::vector<double> lifted_mass_;
     StepReport report_;
 };
 

@@ -1,0 +1,55 @@
+# The two commands of the README, and what they stand on. Everything lands in .venv, build and out.
+
+VENV ?= .venv
+PY := $(VENV)/bin/python
+SOURCES := $(shell find cpp python cmake -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml README.md LICENSE
+
+.PHONY: run test lint sanitize check check-long clean system
+
+run: $(VENV)/.installed
+	$(PY) examples/four_gradings.py out
+
+test: $(VENV)/.installed build/release/.built
+	ctest --preset release
+	$(PY) -m pytest
+
+# Debian packages, where they are missing.
+system:
+	sh cmake/system_packages.sh
+
+$(VENV)/.made: | system
+	python3 -m venv $(VENV)
+	$(PY) -m pip install --quiet --upgrade pip
+	touch $@
+
+$(VENV)/.installed: $(VENV)/.made $(SOURCES)
+	$(PY) -m pip install --quiet '.[dev]'
+	touch $@
+
+build/release/.built: $(VENV)/.made $(SOURCES) $(shell find tests/cpp tests/consumer tests/CMakeLists.txt -type f)
+	cmake --preset release -DPython3_EXECUTABLE=$(abspath $(PY))
+	cmake --build --preset release
+	touch $@
+
+lint: $(VENV)/.installed
+	$(VENV)/bin/ruff check .
+	$(VENV)/bin/ruff format --check .
+	$(VENV)/bin/mypy --strict python/comminute examples tests/python
+	clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
+	cmake --preset release > /dev/null
+	ls cpp/src/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option
+
+# C++ tests under AddressSanitizer with UBSan and under ThreadSanitizer, and once without FFTW.
+sanitize: $(VENV)/.made
+	for preset in asan tsan no-fftw; do \
+	  cmake --preset $$preset -DPython3_EXECUTABLE=$(abspath $(PY)) && cmake --build --preset $$preset && ctest --preset $$preset || exit 1; \
+	done
+
+check: lint sanitize test
+
+# Long random checks; their report belongs under docs/validation.
+check-long: $(VENV)/.installed
+	COMMINUTE_HYPOTHESIS=long $(PY) -m pytest -q tests/python/test_against_reference.py tests/python/test_laws.py
+
+clean:
+	rm -rf $(VENV) build out

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <sstream>
+#include <string>
+
+#include "comminute/comminute.hpp"
+
+namespace py = pybind11;
+
+void register_grid(py::module_& m);
+void register_fragments(py::module_& m);
+void register_criterion(py::module_& m);
+void register_kernel(py::module_& m);
+void register_fabric(py::module_& m);
+void register_grading(py::module_& m);
+void register_engines(py::module_& m);
+
+/// Python's own text of a value, for reprs: repr_of("Material", "weibull_modulus", 3.0, ...).
+template <class... Fields>
+std::string repr_of(const char* type, const Fields&... fields) {
+    const py::tuple parts = py::make_tuple(fields...);
+    std::string out = std::string(type) + "(";
+    for (std::size_t f = 0; f + 1 < parts.size(); f += 2) {
+        out +=
+            (f == 0 ? "" : ", ") + std::string(py::str(parts[f])) + "=" + std::string(py::repr(parts[f + 1]));
+    }
+    return out + ")";
+}

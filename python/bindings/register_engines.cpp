@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+#include <mutex>
+
+#include "arrays.hpp"
+#include "words.hpp"
+
+namespace {
+
+using namespace comminute;
+
+/// An engine with its workspace behind a lock, since the GIL does not guard it while a step runs.
+template <class Engine>
+class Guarded {
+  public:
+    explicit Guarded(Engine engine) : engine_(std::move(engine)) {}
+
+    const Kernel& kernel() const { return engine_.kernel(); }
+
+    StepReport report() {
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(mutex_);
+        return report_;
+    }
+
+    py::array_t<double> step(const py::object& p, double stress_ratio, const py::object& out) {
+        const auto before = strict_array(p, shape(), "p");
+        auto after = strict_out(out, shape(), "out");
+        const auto from = matrix_in(before);
+        const auto to = matrix_out(after);
+        {
+            const py::gil_scoped_release release;
+            const std::lock_guard lock(mutex_);
+            report_ = engine_.step(from, stress_ratio, to);
+        }
+        return after;
+    }
+
+    py::array_t<double> settle(const py::object& p, double stress_ratio, std::optional<Index> steps,
+                               const py::object& out) {
+        const auto before = strict_array(p, shape(), "p");
+        auto after = strict_out(out, shape(), "out");
+        if (steps)
+            require(*steps >= 1, "steps", static_cast<double>(*steps), "at least 1 (None: until at rest)");
+        require_stress_ratio(stress_ratio);
+        const auto from = matrix_in(before);
+        const auto to = matrix_out(after);
+        {
+            const py::gil_scoped_release release;
+            const std::lock_guard lock(mutex_);
+            if (from.data() != to.data()) {
+                std::copy(from.data(), from.data() + from.rows() * from.cols(), to.data());
+            }
+            report_ = comminute::settle(engine_, to, stress_ratio, steps.value_or(0), Interrupt());
+        }
+        return after;
+    }
+
+  private:
+    /// Lets Ctrl-C through between steps; asks Python ten times a second at most.
+    class Interrupt {
+      public:
+        bool operator()() {
+            const auto now = std::chrono::steady_clock::now();
+            if (now - asked_ < std::chrono::milliseconds(100)) return true;
+            asked_ = now;
+            const py::gil_scoped_acquire acquire;
+            if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+            return true;
+        }
+
+      private:
+        std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
+    };
+
+    std::vector<py::ssize_t> shape() const { return {kernel().grid().bins(), kernel().grid().bins()}; }
+
+    Engine engine_;
+    std::mutex mutex_;
+    StepReport report_;
+};
+
+template <class Engine>
+void add_engine_methods(py::class_<Guarded<Engine>>& engine) {
+    using Self = Guarded<Engine>;
+    engine
+        .def("step", &Self::step, py::arg("p"), py::arg("stress_ratio"), py::arg("out") = py::none(),
+             R"doc(One time step under a load: every active cell crushes once.
+
+Parameters
+----------
+p : ndarray (N, N)
+    State [psi, psibar], float64 in C order.
+stress_ratio : float
+    Load, >= 0.
+out : ndarray (N, N), optional
+    Where to write the new state; may be `p` itself.
+
+Returns
+-------
+ndarray (N, N)
+    The new state: `out`, or a new array.
+
+Raises
+------
+TypeError
+    For anything but a float64 array.
+ShapeError
+    For another shape or order, or an `out` that overlaps `p` in part.
+ParameterError
+    For a bad load or an entry that is not finite.
+)doc")
+        .def("settle", &Self::settle, py::arg("p"), py::arg("stress_ratio"), py::kw_only(),
+             py::arg("steps") = py::none(), py::arg("out") = py::none(),
+             R"doc(Repeats the step under one load until the state is at rest.
+
+At rest means that the mass inside the crush zone is below 1e-18 of the whole. Ctrl-C stops between
+two steps.
+
+Parameters
+----------
+p, stress_ratio, out
+    As for `step`.
+steps : int, optional
+    Take this many steps instead, >= 1.
+
+Returns
+-------
+ndarray (N, N)
+    The new state: `out`, or a new array. `report` has the sums over the steps.
+
+Raises
+------
+TypeError, ShapeError, ParameterError
+    As `step`.
+)doc")
+        .def_property_readonly("report", &Self::report, "StepReport of the last call of `step` or `settle`.")
+        .def_property_readonly(
+            "grid", [](const Self& e) { return e.kernel().grid(); }, "The LogGrid.")
+        .def_property_readonly(
+            "material", [](const Self& e) { return e.kernel().material(); }, "The Material.")
+        .def_property_readonly(
+            "kind", [](const Self& e) { return word_of(e.kernel().kind()); }, "Which kernel.")
+        .def_property_readonly(
+            "loading_rate", [](const Self& e) { return e.kernel().loading_rate(); },
+            "Share of the fast kernel.")
+        .def_property_readonly(
+            "fragment_rule", [](const Self& e) { return word_of(e.kernel().rule()); }, "See `fragment_pmf`.")
+        .def(
+            "__eq__",
+            [](const Self& a, const Self& b) {
+                const Kernel& x = a.kernel();
+                const Kernel& y = b.kernel();
+                return x.grid() == y.grid() && x.material() == y.material() && x.kind() == y.kind() &&
+                       x.loading_rate() == y.loading_rate() && x.rule() == y.rule();
+            },
+            py::is_operator());
+}
+
+using SlowEngine = Guarded<SlowUpdate>;
+using FullEngine = Guarded<FullConvolution>;
+
+void register_slow_update(py::module_& m) {
+    const auto make = [](const LogGrid& grid, const Material& material, const std::string& rule) {
+        return std::make_unique<SlowEngine>(SlowUpdate(grid, material, choice_of<FragmentRule>(rule)));
+    };
+    py::class_<SlowEngine> engine(m, "SlowUpdate",
+                                  R"doc(One slow step that touches only what crushes (Section 8.2).
+
+Equal to `FullConvolution` with kind "slow", but it looks only at the band of the zone and spreads
+only the cells in it that hold mass, each along its row or column. Needs no FFTW. Never makes a
+negative entry.
+
+Parameters
+----------
+grid : LogGrid
+material : Material
+fragment_rule : {"paper", "conservative"}
+    See `fragment_pmf`.
+
+Raises
+------
+ParameterError
+    For a fragment rule it does not know.
+
+Examples
+--------
+>>> import comminute as cm
+>>> grid = cm.LogGrid(-12.0, 0.0, 121)
+>>> start = cm.mixed_fabric(cm.monodisperse(1.0), grid)
+>>> engine = cm.SlowUpdate(grid, cm.Material())
+>>> after = engine.settle(start.probability, 8.0)
+>>> float(after.sum().round(12)), bool(engine.report.steps > 1)
+(1.0, True)
+)doc");
+    engine
+        .def(py::init(make), py::arg("grid"), py::arg("material"), py::kw_only(),
+             py::arg("fragment_rule") = "paper")
+        .def("__repr__",
+             [](const SlowEngine& e) {
+                 return repr_of("SlowUpdate", "grid", e.kernel().grid(), "material", e.kernel().material(),
+                                "fragment_rule", word_of(e.kernel().rule()));
+             })
+        .def(py::pickle(
+            [](const SlowEngine& e) {
+                return py::make_tuple(e.kernel().grid(), e.kernel().material(), word_of(e.kernel().rule()));
+            },
+            [make](const py::tuple& t) {
+                return make(t[0].cast<LogGrid>(), t[1].cast<Material>(), t[2].cast<std::string>());
+            }));
+    add_engine_methods(engine);
+}
+
+void register_full_convolution(py::module_& m) {
+    const auto make = [](const LogGrid& grid, const Material& material, const std::string& kind,
+                         double loading_rate, const std::string& rule, const std::string& effort) {
+        return std::make_unique<FullEngine>(FullConvolution(
+            Kernel(grid, material, choice_of<KernelKind>(kind), loading_rate, choice_of<FragmentRule>(rule)),
+            choice_of<PlanEffort>(effort)));
+    };
+    py::class_<FullEngine> engine(m, "FullConvolution",
+                                  R"doc(One time step with any kernel by FFTW (Eqs. 59-61, 63, 67, 68).
+
+Linear, separable, nothing lost at the bottom. FFT noise is removed line by line: nothing above a
+line's coarsest source, no negative entry, and the fines bin takes what was crushed less what
+landed (a deficit there is taken from the line's largest entry).
+
+Parameters
+----------
+grid : LogGrid
+material : Material
+kind : {"slow", "exact", "fast", "blend"}
+    Eq. 63, 59, 68, or 67: (1 - loading_rate) slow + loading_rate fast.
+loading_rate : float
+    For "blend", in [0, 1].
+fragment_rule : {"paper", "conservative"}
+    See `fragment_pmf`.
+effort : {"estimate", "measure"}
+    How long FFTW may look for a fast plan.
+
+Raises
+------
+UnavailableError
+    If this build has no FFTW.
+ParameterError
+    For a word or a loading rate outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> grid = cm.LogGrid(-12.0, 0.0, 121)
+>>> start = cm.mixed_fabric(cm.monodisperse(1.0), grid)
+>>> engine = cm.FullConvolution(grid, cm.Material(), "exact")
+>>> after = engine.step(start.probability, 8.0)
+>>> float(after.sum().round(12)), engine.report.crushed
+(1.0, 1.0)
+)doc");
+    engine
+        .def(py::init(make), py::arg("grid"), py::arg("material"), py::arg("kind") = "slow", py::kw_only(),
+             py::arg("loading_rate") = 0.0, py::arg("fragment_rule") = "paper",
+             py::arg("effort") = "estimate")
+        .def("__repr__",
+             [](const FullEngine& e) {
+                 const Kernel& k = e.kernel();
+                 return repr_of("FullConvolution", "grid", k.grid(), "material", k.material(), "kind",
+                                word_of(k.kind()), "loading_rate", k.loading_rate(), "fragment_rule",
+                                word_of(k.rule()));
+             })
+        .def(py::pickle(
+            [](const FullEngine& e) {
+                const Kernel& k = e.kernel();
+                return py::make_tuple(k.grid(), k.material(), word_of(k.kind()), k.loading_rate(),
+                                      word_of(k.rule()));
+            },
+            [make](const py::tuple& t) {
+                return make(t[0].cast<LogGrid>(), t[1].cast<Material>(), t[2].cast<std::string>(),
+                            t[3].cast<double>(), t[4].cast<std::string>(), "estimate");
+            }));
+    add_engine_methods(engine);
+}
+
+}  // namespace
+
+void register_engines(py::module_& m) {
+    register_slow_update(m);
+    register_full_convolution(m);
+}

@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "arrays.hpp"
+#include "words.hpp"
+
+namespace {
+
+using namespace comminute;
+
+std::string describe(const GradingLaw& law) {
+    if (const auto* points = std::get_if<PointMasses>(&law)) {
+        return repr_of("point masses: ", "size", points->size, "share", points->share);
+    }
+    if (const auto* power = std::get_if<PowerLawGrading>(&law)) {
+        return repr_of("power law: ", "fractal_dimension", power->fractal_dimension, "smallest",
+                       power->smallest, "largest", power->largest);
+    }
+    const auto& curve = std::get<SieveCurve>(law);
+    return repr_of("sieves: ", "points", curve.size.size(), "smallest", curve.size.front(), "largest",
+                   curve.size.back());
+}
+
+py::object state_of(const GradingLaw& law) {
+    if (const auto* points = std::get_if<PointMasses>(&law))
+        return py::make_tuple(0, points->size, points->share);
+    if (const auto* power = std::get_if<PowerLawGrading>(&law)) {
+        return py::make_tuple(1, power->fractal_dimension, power->smallest, power->largest);
+    }
+    const auto& curve = std::get<SieveCurve>(law);
+    return py::make_tuple(2, curve.size, curve.finer_than, curve.tail_slope);
+}
+
+GradingLaw law_of(const py::tuple& t) {
+    using Numbers = std::vector<double>;
+    if (t[0].cast<int>() == 0) return PointMasses{t[1].cast<Numbers>(), t[2].cast<Numbers>()};
+    if (t[0].cast<int>() == 1) {
+        return PowerLawGrading{t[1].cast<double>(), t[2].cast<double>(), t[3].cast<double>()};
+    }
+    return SieveCurve{t[1].cast<Numbers>(), t[2].cast<Numbers>(), t[3].cast<double>()};
+}
+
+Grading from_sieves(const std::vector<double>& size, const std::vector<double>& percent_finer,
+                    std::string unit, const std::string& top) {
+    if (top != "error" && top != "extend") {
+        throw ParameterError("top is '" + top + "'; it must be one of 'error', 'extend'");
+    }
+    return sieve_grading(size, percent_finer, std::move(unit), top == "extend");
+}
+
+void register_grading_class(py::module_& m) {
+    py::class_<Grading>(m, "Grading", R"doc(How much of the mass is finer than each size, at the start.
+
+Made by `monodisperse`, `gap_graded`, `power_law` or `Grading.from_sieves`. Immutable.)doc")
+        .def_static("from_sieves", &from_sieves, py::arg("size"), py::arg("percent_finer"),
+                    py::arg("unit") = "mm", py::kw_only(), py::arg("top") = "error",
+                    R"doc(A measured curve: linear in ln(size) between sieves.
+
+What is finer than the finest sieve continues as a power law through the two finest points; `notes`
+says so.
+
+Parameters
+----------
+size : sequence of float
+    Two or more sieve openings > 0, in any order, all different.
+percent_finer : sequence of float
+    Per cent of the mass finer than each, 0 to 100, never falling with size, 100 at the coarsest. A
+    curve that ends at exactly 1 is read as fractions; `notes` says so.
+unit : str
+    Of the sizes, carried along as text.
+top : {"error", "extend"}
+    What to do with a curve that stops short of 100 %: refuse it, or carry its last slope on.
+
+Returns
+-------
+Grading
+
+Raises
+------
+ParameterError
+    Naming the row (counted from 1), the value and the rule.
+ShapeError
+    For lists of different lengths.
+
+Examples
+--------
+>>> import comminute as cm
+>>> sand = cm.Grading.from_sieves([2.0, 1.0, 0.5], [100, 50, 0], unit="mm")
+>>> sand.finer(1.0)
+0.5
+)doc")
+        .def_property_readonly(
+            "unit", [](const Grading& g) { return g.unit; }, "Unit of the sizes, as text; empty if relative.")
+        .def_property_readonly(
+            "notes", [](const Grading& g) { return py::tuple(py::cast(g.notes)); },
+            "What was assumed in making it, in plain words: a tuple of str.")
+        .def("finer", py::vectorize(&Grading::finer), py::arg("size"),
+             R"doc(Mass fraction of grains no larger than `size` (scalar or array).
+
+Raises
+------
+ParameterError
+    Unless size > 0.
+)doc")
+        .def_property_readonly("largest", &Grading::largest, "Largest size.")
+        .def("smallest", &Grading::smallest, py::arg("tail") = 0.0,
+             "Size below which a share `tail` of the mass lies; 0 if the finest tail has no end.")
+        .def(
+            "on_grid", [](const Grading& g, const LogGrid& grid) { return copied(g.on_grid(grid)); },
+            py::arg("grid"),
+            R"doc((N,) mass by bin; what is finer than the grid goes to the fines bin.
+
+Raises
+------
+ParameterError
+    If a grain is larger than the grid's last edge.
+)doc")
+        .def(
+            "__eq__", [](const Grading& a, const Grading& b) { return a == b; }, py::is_operator())
+        .def("__repr__",
+             [](const Grading& g) {
+                 return "<Grading " + describe(g.law) + (g.unit.empty() ? "" : " " + g.unit) + ">";
+             })
+        .def(py::pickle([](const Grading& g) { return py::make_tuple(state_of(g.law), g.unit, g.notes); },
+                        [](const py::tuple& t) {
+                            return Grading{law_of(t[0].cast<py::tuple>()), t[1].cast<std::string>(),
+                                           t[2].cast<std::vector<std::string>>()};
+                        }));
+}
+
+void register_makers(py::module_& m) {
+    m.def("monodisperse", &monodisperse, py::arg("size"), R"doc(All grains of one size.
+
+Parameters
+----------
+size : float
+    > 0.
+
+Returns
+-------
+Grading
+
+Raises
+------
+ParameterError
+    Unless size > 0.
+
+Examples
+--------
+>>> import comminute as cm
+>>> cm.monodisperse(2.0).finer([1.9, 2.0])
+array([0., 1.])
+)doc");
+    m.def("gap_graded", &gap_graded, py::arg("coarse"), py::arg("fine"), py::arg("coarse_share") = 0.5,
+          R"doc(Two sizes and nothing between.
+
+Parameters
+----------
+coarse, fine : float
+    Sizes, 0 < fine < coarse.
+coarse_share : float
+    Share of the mass that is coarse, in [0, 1].
+
+Returns
+-------
+Grading
+
+Raises
+------
+ParameterError
+    For a value outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> cm.gap_graded(1.0, 0.1, coarse_share=0.25).finer(0.5)
+0.75
+)doc");
+    m.def("power_law", &power_law, py::arg("fractal_dimension"), py::arg("smallest"), py::arg("largest"),
+          R"doc(Power law N(> s) ~ s**-fractal_dimension between two sizes.
+
+By mass F = (s**(3-a) - s_m**(3-a)) / (s_M**(3-a) - s_m**(3-a)), a the fractal dimension;
+a = 3 is uniform in ln s.
+
+Parameters
+----------
+fractal_dimension : float
+smallest, largest : float
+    0 < smallest < largest.
+
+Returns
+-------
+Grading
+
+Raises
+------
+ParameterError
+    For a value outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> cm.power_law(2.5, 1e-3, 1.0).finer(1.0)
+1.0
+)doc");
+}
+
+}  // namespace
+
+void register_grading(py::module_& m) {
+    register_grading_class(m);
+    register_makers(m);
+    m.def(
+        "mixed_fabric",
+        [](const Grading& grading, const LogGrid& grid, const std::string& mean) {
+            const Mean m_ = choice_of<Mean>(mean);
+            const py::gil_scoped_release release;
+            return mixed_fabric(grading, grid, m_);
+        },
+        py::arg("grading"), py::arg("grid"), py::kw_only(), py::arg("mean") = "arithmetic",
+        R"doc(Completely mixed grains of a grading: neighbours independent of the grain (Eq. 64).
+
+Point masses sit at the centres of the bins that hold them; the fines bin stands for its centre.
+
+Parameters
+----------
+grading : Grading
+grid : LogGrid
+mean : {"arithmetic", "geometric"}
+    How two neighbours make a neighbourhood grainsize: Eq. 48 or 65.
+
+Returns
+-------
+Fabric
+
+Raises
+------
+ParameterError
+    If a grain is larger than the grid's last edge.
+
+Examples
+--------
+>>> import comminute as cm
+>>> fabric = cm.mixed_fabric(cm.gap_graded(1.0, 0.1), cm.LogGrid(-6.0, 0.0, 61))
+>>> fabric.cdf()[-1].round(12)
+np.float64(1.0)
+)doc");
+    m.def("fitting_grid", &fitting_grid, py::arg("grading"), py::arg("material"), py::arg("max_stress_ratio"),
+          py::kw_only(), py::arg("spacing") = 0.02,
+          R"doc(A grid that fits a grading and the loads to come.
+
+Its top edge is at the largest grain (point masses sit on bin centres), its fines bin below the
+finest grains and below the crush zone of the largest load, with room for their fragments.
+
+Parameters
+----------
+grading : Grading
+material : Material
+max_stress_ratio : float
+    Largest load to come, >= 0 and finite.
+spacing : float
+    Wanted bin width in psi; the grid's is no larger.
+
+Returns
+-------
+LogGrid
+
+Raises
+------
+ParameterError
+    For a load or spacing outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> grid = cm.fitting_grid(cm.monodisperse(1.0), cm.Material(), 1e4)
+>>> grid.psi_max, grid.psi_min < -9.2
+(0.0, True)
+)doc");
+    m.def(
+        "percentile",
+        [](const LogGrid& grid, const py::object& cdf, double percent, bool extrapolate) {
+            const auto finer = strict_array(cdf, {grid.bins()}, "cdf");
+            return percentile(grid, VectorView<const double>(finer.data(), finer.size()), percent,
+                              extrapolate);
+        },
+        py::arg("grid"), py::arg("cdf"), py::arg("percent"), py::kw_only(), py::arg("extrapolate") = false,
+        R"doc(Size D_x such that `percent` of the mass is finer.
+
+inf{d : F(d) >= percent / 100}, linear in ln d inside a bin; on a plateau this is its lower end.
+
+Parameters
+----------
+grid : LogGrid
+cdf : ndarray (N,)
+    Fraction finer than the upper edge of each bin.
+percent : float
+    In [0, 100].
+extrapolate : bool
+    Continue a curve that ends in the fines bin as a power law through its two finest points.
+
+Returns
+-------
+float
+
+Raises
+------
+ParameterError
+    If D_x lies in the fines bin, where no size is known, or above the largest size.
+
+Examples
+--------
+>>> import comminute as cm
+>>> grid = cm.LogGrid(-6.0, 0.0, 61)
+>>> cdf = cm.mixed_fabric(cm.power_law(2.0, 0.01, 1.0), grid).cdf()
+>>> bool(0.4 < cm.percentile(grid, cdf, 50) < 0.6)
+True
+)doc");
+}

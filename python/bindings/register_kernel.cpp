@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "arrays.hpp"
+#include "words.hpp"
+
+using namespace comminute;
+
+void register_kernel(py::module_& m) {
+    m.def(
+        "cell_kernel",
+        [](const LogGrid& grid, const Material& material, double stress_ratio, Index i, Index j,
+           const std::string& kind, double loading_rate, const std::string& rule) {
+            const Kernel kernel(grid, material, choice_of<KernelKind>(kind), loading_rate,
+                                choice_of<FragmentRule>(rule));
+            py::array_t<double> out({grid.bins(), grid.bins()});
+            kernel.cell(i, j, stress_ratio, matrix_out(out));
+            return out;
+        },
+        py::arg("grid"), py::arg("material"), py::arg("stress_ratio"), py::arg("i"), py::arg("j"),
+        py::arg("kind") = "exact", py::kw_only(), py::arg("loading_rate") = 0.0,
+        py::arg("fragment_rule") = "paper",
+        R"doc(Where unit mass of one cell goes in one step (Fig. 5).
+
+Parameters
+----------
+grid : LogGrid
+material : Material
+stress_ratio : float
+    Load, >= 0.
+i, j : int
+    The cell, [psi, psibar].
+kind : {"exact", "slow", "fast", "blend"}
+    Eq. 59, 63, 68 or 67.
+loading_rate : float
+    For "blend": share of the fast kernel, in [0, 1].
+fragment_rule : {"paper", "conservative"}
+    See `fragment_pmf`.
+
+Returns
+-------
+ndarray (N, N)
+    Sums to 1; what falls below an axis stays in its bin 0.
+
+Raises
+------
+ParameterError
+    For a cell off the grid, a bad load, or a loading rate with a kind that has none.
+
+Examples
+--------
+>>> import comminute as cm
+>>> kernel = cm.cell_kernel(cm.LogGrid(-6.0, 1.0, 71), cm.Material(), 100.0, 60, 60, kind="slow")
+>>> kernel[60, :].sum().round(12), kernel[:, 60].sum().round(12)   # equals: half of each crushes
+(np.float64(0.5), np.float64(0.5))
+)doc");
+
+    py::class_<StepReport>(m, "StepReport", R"doc(What one step, or a run of steps, did.
+
+Masses are in the unit of the state, whose total is usually 1.)doc")
+        .def_readonly("active", &StepReport::active, "Mass inside the zone when the last step began.")
+        .def_readonly("crushed", &StepReport::crushed, "Mass crushed in psi, every crush counted.")
+        .def_readonly("crushed_neighbour", &StepReport::crushed_neighbour, "Mass crushed in psibar.")
+        .def_readonly("steps", &StepReport::steps, "Number of steps.")
+        .def(
+            "__eq__",
+            [](const StepReport& a, const StepReport& b) {
+                return a.active == b.active && a.crushed == b.crushed && a.steps == b.steps &&
+                       a.crushed_neighbour == b.crushed_neighbour;
+            },
+            py::is_operator())
+        .def("__repr__",
+             [](const StepReport& r) {
+                 return repr_of("StepReport", "active", r.active, "crushed", r.crushed, "crushed_neighbour",
+                                r.crushed_neighbour, "steps", r.steps);
+             })
+        .def(py::pickle(
+            [](const StepReport& r) {
+                return py::make_tuple(r.active, r.crushed, r.crushed_neighbour, r.steps);
+            },
+            [](const py::tuple& t) {
+                return StepReport{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(),
+                                  t[3].cast<Index>()};
+            }));
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <string>
+#include <utility>
+
+#include "comminute/comminute.hpp"
+
+/// The words by which Python names the library's choices.
+template <class Choice>
+struct Words;
+
+template <>
+struct Words<comminute::KernelKind> {
+    static constexpr const char* parameter = "kind";
+    static constexpr std::array<std::pair<const char*, comminute::KernelKind>, 4> list{
+        {{"exact", comminute::KernelKind::exact},
+         {"slow", comminute::KernelKind::slow},
+         {"fast", comminute::KernelKind::fast},
+         {"blend", comminute::KernelKind::blend}}};
+};
+
+template <>
+struct Words<comminute::FragmentRule> {
+    static constexpr const char* parameter = "fragment_rule";
+    static constexpr std::array<std::pair<const char*, comminute::FragmentRule>, 2> list{
+        {{"paper", comminute::FragmentRule::paper}, {"conservative", comminute::FragmentRule::conservative}}};
+};
+
+template <>
+struct Words<comminute::Mean> {
+    static constexpr const char* parameter = "mean";
+    static constexpr std::array<std::pair<const char*, comminute::Mean>, 2> list{
+        {{"arithmetic", comminute::Mean::arithmetic}, {"geometric", comminute::Mean::geometric}}};
+};
+
+template <>
+struct Words<comminute::PlanEffort> {
+    static constexpr const char* parameter = "effort";
+    static constexpr std::array<std::pair<const char*, comminute::PlanEffort>, 2> list{
+        {{"estimate", comminute::PlanEffort::estimate}, {"measure", comminute::PlanEffort::measure}}};
+};
+
+/// @throws comminute::ParameterError naming the parameter and the words it knows
+template <class Choice>
+Choice choice_of(const std::string& word) {
+    std::string known;
+    for (const auto& [name, value] : Words<Choice>::list) {
+        if (word == name) return value;
+        known += (known.empty() ? "" : ", ") + std::string("'") + name + "'";
+    }
+    throw comminute::ParameterError(std::string(Words<Choice>::parameter) + " is '" + word +
+                                    "'; it must be one of " + known);
+}
+
+template <class Choice>
+const char* word_of(Choice choice) {
+    for (const auto& [name, value] : Words<Choice>::list) {
+        if (choice == value) return name;
+    }
+    return "";
+}

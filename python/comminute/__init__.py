@@ -1,0 +1,90 @@
+"""Confined comminution with grainsize fabric.
+
+From a grading and a load path to the crushed grading, after Huang, Marks & Einav, "Continuum
+homogenisation of stochastic comminution with grainsize fabric", J. Mech. Phys. Solids 138 (2020)
+103897.
+
+Examples
+--------
+>>> import comminute as cm
+>>> sim = cm.Simulation(cm.Material(), cm.power_law(2.5, 1e-3, 1.0))
+>>> result = sim.run(stress_ratio=[1, 100])
+>>> bool(result.percentile(50)[1] < result.percentile(50)[0])
+True
+"""
+
+from comminute._core import (
+    CrushZones,
+    Fabric,
+    FullConvolution,
+    Grading,
+    LogGrid,
+    Material,
+    ParameterError,
+    PowerLawFragments,
+    ShapeError,
+    SlowUpdate,
+    StepReport,
+    UnavailableError,
+    WeibullFragments,
+    Zone,
+    __version__,
+    active_share,
+    cell_kernel,
+    critical_stress_ratio,
+    crush_zones,
+    fitting_grid,
+    fragment_pmf,
+    gap_graded,
+    has_fftw,
+    logspace_load,
+    mixed_fabric,
+    monodisperse,
+    neighbourhood_pmf,
+    percentile,
+    power_law,
+    remix,
+    stress_function,
+    stress_ratio_at,
+)
+from comminute.results import Result
+from comminute.simulation import Interrupted, ResolutionWarning, Simulation
+
+__all__ = [
+    "CrushZones",
+    "Fabric",
+    "FullConvolution",
+    "Grading",
+    "Interrupted",
+    "LogGrid",
+    "Material",
+    "ParameterError",
+    "PowerLawFragments",
+    "ResolutionWarning",
+    "Result",
+    "ShapeError",
+    "Simulation",
+    "SlowUpdate",
+    "StepReport",
+    "UnavailableError",
+    "WeibullFragments",
+    "Zone",
+    "__version__",
+    "active_share",
+    "cell_kernel",
+    "critical_stress_ratio",
+    "crush_zones",
+    "fitting_grid",
+    "fragment_pmf",
+    "gap_graded",
+    "has_fftw",
+    "logspace_load",
+    "mixed_fabric",
+    "monodisperse",
+    "neighbourhood_pmf",
+    "percentile",
+    "power_law",
+    "remix",
+    "stress_function",
+    "stress_ratio_at",
+]

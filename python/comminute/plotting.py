@@ -1,0 +1,201 @@
+"""Plots with matplotlib, each on an `Axes` of the caller's choice; nothing here opens a window."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from comminute._core import CrushZones, Fabric, Material
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from comminute.results import Floats, Result
+
+LOAD_COLOURS = mpl.colormaps["viridis"]
+ZONE_COLOUR = "#d62728"
+MARGINAL_COLOUR = "#33638d"
+POINT_COLOUR = "#222222"
+POINT_MASS = 0.01
+
+
+def _size_label(name: str, unit: str) -> str:
+    return f"{name} ({unit})" if unit else f"{name} / reference"
+
+
+def _new_axes() -> Axes:
+    return Figure(figsize=(4.2, 3.6), layout="constrained").add_subplot()
+
+
+def _visible_range(pmf: Floats, edges: Floats, tail: float) -> tuple[float, float]:
+    """Log sizes between which all but `tail` of the mass lies, with a little air."""
+    finer = np.cumsum(pmf)
+    first = int(np.searchsorted(finer, tail))
+    last = int(np.searchsorted(finer, 1.0 - 1e-12))
+    low, high = edges[first], edges[min(last + 1, edges.size - 1)]
+    air = 0.04 * (high - low)
+    return float(low - air), float(high + air)
+
+
+def plot_gradings(result: Result, ax: Axes | None = None) -> Axes:
+    """Per cent finer against log size, one curve per load and the start dashed.
+
+    Parameters
+    ----------
+    result : Result
+    ax : matplotlib Axes, optional
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    ax = _new_axes() if ax is None else ax
+    sizes = result.edge_size
+    ax.plot(sizes, 100 * result.start.cdf(), "k--", lw=1.2, label="start", zorder=3)
+    count = result.stress_ratio.size
+    for k, load in enumerate(result.stress_ratio):
+        colour = LOAD_COLOURS(0.92 * (1 - k / max(count - 1, 1)))
+        ax.plot(sizes, 100 * result.cdf[k], color=colour, lw=1.4, label=f"{load:g}")
+    low, high = _visible_range(result.pmf[-1], result.grid.edges, 1e-3)
+    ax.set(
+        xscale="log",
+        xlim=(np.exp(low), np.exp(high)),
+        ylim=(0, 102),
+        xlabel=_size_label("grainsize", result.unit),
+        ylabel="per cent finer by mass",
+    )
+    ax.grid(alpha=0.3, lw=0.5)
+    ax.legend(title="stress ratio", fontsize="small", title_fontsize="small", loc="upper left")
+    return ax
+
+
+def plot_fabric(
+    fabric: Fabric,
+    ax: Axes | None = None,
+    *,
+    material: Material | None = None,
+    stress_ratio: float | None = None,
+    unit: str = "",
+    decades: float = 5.0,
+) -> Axes:
+    """Density of the fabric with its marginals, and the edge of the crush zone.
+
+    Parameters
+    ----------
+    fabric : Fabric
+    ax : matplotlib Axes, optional
+    material : Material, optional
+        With `stress_ratio`: draw where grains crush under that load.
+    stress_ratio : float, optional
+        Left out: the load under which the fabric is at rest.
+    unit : str
+        Of the sizes, for the labels.
+    decades : float
+        Range of the colours below the largest density.
+
+    Returns
+    -------
+    matplotlib Axes
+    """
+    ax = _new_axes() if ax is None else ax
+    grid = fabric.grid
+    density = fabric.probability / grid.spacing**2
+    low, high = _visible_range(fabric.grainsize(), grid.edges, 1e-3)
+    top = float(np.quantile(density[density > 0.0], 0.999))  # the few cells of point masses apart
+    image = ax.pcolormesh(
+        grid.edges,
+        grid.edges,
+        np.ma.masked_less(density.T, top * 10.0**-decades),
+        norm=LogNorm(top * 10.0**-decades, top),
+        cmap="Blues",
+        rasterized=True,
+    )
+    _mark_point_masses(ax, fabric)
+    load = fabric.settled_at if stress_ratio is None else stress_ratio
+    if material is not None and load is not None:
+        _draw_zone(ax, fabric, material, load)
+    ax.set(
+        xlim=(low, high),
+        ylim=(low, high),
+        xlabel=r"$\psi$ = ln " + _size_label("grainsize", unit),
+        ylabel=r"$\bar\psi$ = ln " + _size_label("neighbourhood grainsize", unit),
+    )
+    ax.set_box_aspect(1)
+    _draw_marginals(ax, fabric)
+    bar = ax.inset_axes((1.24, 0.0, 0.035, 1.0))
+    bar.figure.colorbar(image, cax=bar, label="density of mass", extend="max")
+    return ax
+
+
+def _mark_point_masses(ax: Axes, fabric: Fabric) -> None:
+    """Circle the cells that hold more than a share of the mass by themselves, area as mass."""
+    i, j = np.nonzero(fabric.probability > POINT_MASS)
+    if i.size == 0:
+        return
+    psi = fabric.grid.centres
+    area = 300.0 * fabric.probability[i, j]
+    ax.scatter(psi[i], psi[j], s=area, facecolors="none", edgecolors=POINT_COLOUR, lw=1.2, label="point mass")
+
+
+def _draw_zone(ax: Axes, fabric: Fabric, material: Material, stress_ratio: float) -> None:
+    """Outline of the active band: where the larger grain crushes, on either side of the diagonal."""
+    grid = fabric.grid
+    psi = np.linspace(grid.psi_min - 2.0, grid.psi_max + 0.5, 4001)
+    width = np.asarray(CrushZones(grid, material, stress_ratio).half_width(psi))
+    inside = (width >= 0.0) & np.isfinite(width)
+    larger, smaller = psi[inside], (psi - width)[inside]
+    ax.plot(larger, smaller, color=ZONE_COLOUR, lw=1.0, label=f"crush zone at {stress_ratio:g}")
+    ax.plot(smaller, larger, color=ZONE_COLOUR, lw=1.0)
+    ax.legend(fontsize="small", loc="lower right", framealpha=0.85)
+
+
+def _draw_marginals(ax: Axes, fabric: Fabric) -> None:
+    """Marginal densities above and to the right of the density plot."""
+    grid = fabric.grid
+    across = ax.inset_axes((0.0, 1.03, 1.0, 0.17), sharex=ax)
+    along = ax.inset_axes((1.03, 0.0, 0.17, 1.0), sharey=ax)
+    grainsize, neighbourhood = fabric.grainsize(), fabric.neighbourhood()
+    across.stairs(grainsize / grid.spacing, grid.edges, fill=True, color=MARGINAL_COLOUR)
+    along.stairs(neighbourhood / grid.spacing, grid.edges, fill=True, color=MARGINAL_COLOUR, orientation="horizontal")
+    across.set_ylim(0.0, _spread_height(grainsize) / grid.spacing)
+    along.set_xlim(0.0, _spread_height(neighbourhood) / grid.spacing)
+    for side in (across, along):
+        side.tick_params(labelbottom=False, labelleft=False, left=False, bottom=False)
+        side.spines[["top", "right"]].set_visible(False)
+
+
+def _spread_height(pmf: Floats) -> float:
+    """Height that shows the spread mass; the spikes of point masses are cut there."""
+    spikes = pmf > max(POINT_MASS, 8.0 * float(np.median(pmf[pmf > 0.0])))
+    spread = pmf[~spikes]
+    return 1.1 * float(spread.max() if spread.any() else pmf.max())
+
+
+def plot_result(result: Result, load: int = -1) -> Figure:
+    """Grading curves (left) and the fabric after one load with its marginals and crush zone (right).
+
+    Parameters
+    ----------
+    result : Result
+    load : int
+        Index of the load whose fabric is drawn.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = Figure(figsize=(10.0, 4.6), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    plot_gradings(result, left)
+    plot_fabric(
+        result.fabric(load),
+        right,
+        material=result.material,
+        stress_ratio=float(result.stress_ratio[: load + 1 or None].max()),
+        unit=result.unit,
+    )
+    return figure

@@ -1,0 +1,271 @@
+"""Results of a run: plain NumPy, one row per load."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from comminute._core import Fabric, LogGrid, Material, ParameterError, __version__, percentile
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Floats = npt.NDArray[np.float64]
+
+
+def needs(extra: str, library: str, wanted_for: str) -> ImportError:
+    """Exception for an optional library that is missing: what for, and how to get it."""
+    return ImportError(f"{wanted_for} needs {library}; install it with: pip install 'comminute[{extra}]'")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Result:
+    """What a load path did to a grading: T loads, N bins.
+
+    Attributes
+    ----------
+    material : Material
+    grid : LogGrid
+    start : Fabric
+        Before the first load.
+    unit : str
+        Of the sizes; empty where they are relative.
+    stress_ratio : ndarray (T,)
+        Loads.
+    stress : ndarray (T,) or None
+        The same as stresses, where first_crush_stress is known.
+    pmf : ndarray (T, N)
+        Mass by bin after each load.
+    crushes : ndarray (T,)
+        Mean number of crushes a cell has been through since the start (crushes in psi; those whose
+        fragment stays in its bin are counted).
+    mass_error : ndarray (T,)
+        Total mass less 1.
+    engine : str
+        What ran.
+    scheme : str
+        How fragments fell into bins.
+    notes : tuple of str
+        What was assumed or may surprise, in plain words.
+    warnings : tuple of str
+        Where the curves are not to be trusted.
+    fabrics : tuple of Fabric or None
+        Kept fabrics, one entry per load; see `fabric`.
+
+    Examples
+    --------
+    >>> import comminute as cm
+    >>> result = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1)).run(stress_ratio=[1, 8, 100])
+    >>> result.cdf.shape == (3, result.psi.size)
+    True
+    >>> bool(abs(result.mass_error).max() < 1e-13)
+    True
+    """
+
+    material: Material
+    grid: LogGrid
+    start: Fabric
+    unit: str
+    stress_ratio: Floats
+    stress: Floats | None
+    pmf: Floats
+    crushes: Floats
+    mass_error: Floats
+    engine: str
+    scheme: str
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    fabrics: tuple[Fabric | None, ...] = field(default=())
+
+    @property
+    def psi(self) -> Floats:
+        """(N,) log sizes, centres of the bins."""
+        return self.grid.centres
+
+    @property
+    def size(self) -> Floats:
+        """(N,) sizes at the centres of the bins."""
+        return self.grid.sizes
+
+    @property
+    def edge_size(self) -> Floats:
+        """(N,) sizes at the upper edges of the bins, where `cdf` is read."""
+        return self.grid.edge_sizes[1:]
+
+    @property
+    def cdf(self) -> Floats:
+        """(T, N) mass fraction finer than `edge_size`."""
+        return np.cumsum(self.pmf, axis=1)
+
+    @property
+    def fines(self) -> Floats:
+        """(T,) share of the mass in the fines bin."""
+        return self.pmf[:, 0]
+
+    def percentile(self, percent: float, *, extrapolate: bool = False) -> Floats:
+        """Size D_x after each load, such that `percent` of the mass is finer; see `comminute.percentile`.
+
+        Parameters
+        ----------
+        percent : float
+            In [0, 100].
+        extrapolate : bool
+            Continue a curve that ends in the fines bin as a power law.
+
+        Returns
+        -------
+        ndarray (T,)
+
+        Raises
+        ------
+        ParameterError
+            If D_x lies in the fines bin after some load.
+        """
+        sizes = [percentile(self.grid, finer, percent, extrapolate=extrapolate) for finer in self.cdf]
+        return np.array(sizes)
+
+    def fabric(self, k: int) -> Fabric:
+        """Fabric after load k (before the remixing, where load k is followed by one).
+
+        Raises
+        ------
+        ParameterError
+            If that fabric was not kept.
+        IndexError
+            If there is no load k.
+        """
+        kept = self.fabrics[k]
+        if kept is None:
+            raise ParameterError(f"the fabric after load {k} was not kept; add {k} to keep_fabrics of run")
+        return kept
+
+    def __eq__(self, other: object) -> bool:
+        """Equal in every number and setting."""
+        if not isinstance(other, Result):
+            return NotImplemented
+        mine, theirs = self.__dict__, other.__dict__
+        return all(
+            np.array_equal(value, theirs[name]) if isinstance(value, np.ndarray) else value == theirs[name]
+            for name, value in mine.items()
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        loads = f"{self.stress_ratio.size} loads up to {self.stress_ratio.max():g}"
+        what = f"engine {self.engine}, {self.crushes[-1]:.3g} crushes a cell"
+        return f"<Result: {loads}, {self.grid.bins} bins, {what}>"
+
+    def to_xarray(self) -> Any:
+        """Dataset with dims load and psi; needs xarray.
+
+        Returns
+        -------
+        xarray.Dataset
+            Variables pmf, cdf (load, psi), crushes, fines, mass_error (load); coordinates
+            stress_ratio, stress, psi, size, edge_size.
+
+        Raises
+        ------
+        ImportError
+            Naming the extra to install.
+        """
+        try:
+            import xarray as xr  # noqa: PLC0415  (an optional dependency)
+        except ImportError as error:
+            raise needs("xarray", "xarray", "to_xarray") from error
+        units = {"units": self.unit or "1"}
+        coords: dict[str, Any] = {
+            "stress_ratio": ("load", self.stress_ratio, {"long_name": "stress ratio", "units": "1"}),
+            "psi": ("psi", self.psi, {"long_name": "log grainsize at bin centres", "units": "1"}),
+            "size": ("psi", self.size, {"long_name": "grainsize at bin centres", **units}),
+            "edge_size": ("psi", self.edge_size, {"long_name": "grainsize at upper bin edges", **units}),
+        }
+        if self.stress is not None:
+            coords["stress"] = ("load", self.stress, {"long_name": "stress"})
+        names = {
+            "pmf": (("load", "psi"), "mass fraction by bin"),
+            "cdf": (("load", "psi"), "mass fraction finer than edge_size"),
+            "crushes": ("load", "mean number of crushes"),
+            "fines": ("load", "mass fraction in the fines bin"),
+            "mass_error": ("load", "total mass less 1"),
+        }
+        variables = {
+            name: (dims, getattr(self, name), {"long_name": text, "units": "1"}) for name, (dims, text) in names.items()
+        }
+        attributes = {"engine": self.engine, "scheme": self.scheme, "comminute_version": __version__}
+        return xr.Dataset(variables, coords, {**attributes, "material": repr(self.material)})
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the arrays to a NumPy .npz file, complete or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            Ends in .npz; an existing file is replaced.
+
+        Returns
+        -------
+        Path
+
+        Raises
+        ------
+        ParameterError
+            For another ending.
+
+        Notes
+        -----
+        The file has the arrays of this class by name, the fabric after the last kept load as
+        `fabric` (N, N), and `engine`, `scheme`, `unit`, `material` and `version` as text.
+        """
+        target = Path(path)
+        if target.suffix != ".npz":
+            raise ParameterError(f"path is '{target}'; it must end in .npz")
+        names = ("stress_ratio", "psi", "size", "edge_size", "pmf", "cdf", "crushes", "fines", "mass_error")
+        arrays: dict[str, Any] = {name: getattr(self, name) for name in names}
+        if self.stress is not None:
+            arrays["stress"] = self.stress
+        kept = [fabric for fabric in self.fabrics if fabric is not None]
+        if kept:
+            arrays["fabric"] = kept[-1].probability
+        texts = {"engine": self.engine, "scheme": self.scheme, "unit": self.unit}
+        texts |= {"material": repr(self.material), "version": __version__}
+        arrays |= {name: np.array(text) for name, text in texts.items()}
+        handle, temporary = tempfile.mkstemp(suffix=".npz", prefix=f".{target.stem}-", dir=target.parent)
+        try:
+            with os.fdopen(handle, "wb") as file:
+                np.savez_compressed(file, **arrays)
+            Path(temporary).replace(target)
+        except BaseException:
+            Path(temporary).unlink(missing_ok=True)
+            raise
+        return target
+
+    def plot(self, load: int = -1) -> Figure:
+        """Grading curves of all loads beside the fabric after one of them; needs matplotlib.
+
+        Parameters
+        ----------
+        load : int
+            Index of the load whose fabric is drawn.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        ImportError
+            Naming the extra to install.
+        """
+        try:
+            from comminute import plotting  # noqa: PLC0415  (matplotlib is optional)
+        except ImportError as error:
+            raise needs("plot", "matplotlib", "plot") from error
+        return plotting.plot_result(self, load)

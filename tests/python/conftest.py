@@ -1,0 +1,13 @@
+"""Settings and fixtures that all tests share."""
+
+import os
+
+from hypothesis import HealthCheck, settings
+
+settings.register_profile(
+    "short", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow], max_examples=60
+)
+settings.register_profile(
+    "long", deadline=None, suppress_health_check=[HealthCheck.too_slow], max_examples=2000, print_blob=True
+)
+settings.load_profile(os.environ.get("COMMINUTE_HYPOTHESIS", "short"))

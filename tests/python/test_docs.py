@@ -1,0 +1,62 @@
+"""What the documentation says runs: docstring examples, and the Python of the README."""
+
+import doctest
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+
+import comminute as cm
+from comminute import plotting, results, simulation
+
+ROOT = Path(__file__).parents[2]
+
+
+def documented() -> list[tuple[str, str]]:
+    """Every public object and method with its docstring."""
+    found = [("comminute", cm.__doc__ or "")]
+    objects = {name: getattr(cm, name) for name in cm.__all__ if not name.startswith("__")}
+    for module in (plotting, results, simulation):
+        objects |= {
+            name: value
+            for name, value in vars(module).items()
+            if inspect.isfunction(value) and value.__module__ == module.__name__ and not name.startswith("_")
+        }
+    for name, value in objects.items():
+        found.append((name, inspect.getdoc(value) or ""))
+        if inspect.isclass(value):
+            found += [
+                (f"{name}.{method}", inspect.getdoc(member) or "")
+                for method, member in vars(value).items()
+                if not method.startswith("_") and (callable(member) or isinstance(member, property | staticmethod))
+            ]
+    return found
+
+
+@pytest.mark.parametrize(("name", "text"), documented(), ids=lambda value: value if "\n" not in value else "")
+def test_every_public_thing_is_documented_and_its_examples_run(name: str, text: str) -> None:
+    if name == "has_fftw":
+        return  # a plain bool
+    assert text.strip(), f"{name} has no docstring"
+    test = doctest.DocTestParser().get_doctest(text, {}, name, None, 0)
+    outcome = doctest.DocTestRunner(verbose=False).run(test)
+    assert outcome.failed == 0
+
+
+def test_classes_and_functions_of_the_core_show_an_example() -> None:
+    exempt = {"Grading", "StepReport", "Zone", "stress_function", "stress_ratio_at"}
+    for name, text in documented():
+        core = inspect.getmodule(getattr(cm, name, None))
+        if "." in name or core is None or name in exempt or name.endswith(("Error", "Warning", "Interrupted")):
+            continue
+        assert ">>>" in text or name.startswith("plot_"), f"{name} has no example"
+
+
+def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert blocks
+    for block in blocks:
+        exec(compile(block, "README.md", "exec"), {})
+    assert (tmp_path / "sand.png").stat().st_size > 10_000

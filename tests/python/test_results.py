@@ -1,0 +1,149 @@
+"""Results and the other objects as things: files, pickles, equality, text, plots, optional libraries."""
+
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import comminute as cm
+from comminute import plotting
+
+GRID = cm.LogGrid(-6.0, 0.5, 66)
+MATERIAL = cm.Material(fabric_width=0.2, fragments=cm.PowerLawFragments(1.5), first_crush_stress=2.0)
+
+
+@pytest.fixture(scope="module")
+def result() -> cm.Result:
+    sand = cm.Grading.from_sieves([1.5, 1.0, 0.5, 0.2], [100, 60, 20, 3], unit="mm")
+    return cm.Simulation(MATERIAL, sand).run(stress_ratio=[1.0, 8.0])
+
+
+THINGS = [
+    GRID,
+    MATERIAL,
+    cm.WeibullFragments(2.0, 0.5),
+    cm.PowerLawFragments(2.0),
+    cm.monodisperse(1.0),
+    cm.gap_graded(1.0, 0.2, 0.3),
+    cm.power_law(2.0, 0.1, 1.0),
+    cm.Grading.from_sieves([1.0, 0.5, 0.2], [100, 10, 2], unit="mm"),
+    cm.CrushZones(GRID, MATERIAL, 3.0),
+    cm.SlowUpdate(GRID, MATERIAL, fragment_rule="conservative"),
+    cm.FullConvolution(GRID, MATERIAL, "blend", loading_rate=0.25),
+    cm.mixed_fabric(cm.power_law(2.0, 0.1, 1.0), GRID, mean="geometric"),
+    cm.Simulation(MATERIAL, cm.monodisperse(1.0), grid=GRID),
+]
+
+
+@pytest.mark.parametrize("thing", THINGS, ids=lambda thing: type(thing).__name__)
+def test_everything_pickles_compares_and_prints(thing: object) -> None:
+    again = pickle.loads(pickle.dumps(thing))
+    assert again == thing
+    assert again is not thing
+    assert thing != cm.LogGrid(-1.0, 1.0, 9)
+    assert type(thing).__name__ in repr(thing)
+    assert len(repr(thing)) < 400
+
+
+def test_a_result_pickles_and_compares(result: cm.Result) -> None:
+    again = pickle.loads(pickle.dumps(result))
+    assert again == result
+    assert repr(again) == repr(result)
+    assert "2 loads up to 8" in repr(result)
+
+
+def test_different_settings_are_different() -> None:
+    assert cm.Material() != cm.Material(fabric_width=0.06)
+    assert cm.power_law(2.0, 0.1, 1.0) != cm.power_law(2.1, 0.1, 1.0)
+    assert cm.FullConvolution(GRID, MATERIAL, "exact") != cm.FullConvolution(GRID, MATERIAL, "fast")
+
+
+def test_a_fabric_lends_its_numbers_read_only_and_stays_alive() -> None:
+    view = cm.mixed_fabric(cm.power_law(2.0, 0.1, 1.0), GRID).probability
+    assert view.sum() == pytest.approx(1.0)
+    with pytest.raises(ValueError, match="read-only"):
+        view[0, 0] = 1.0
+
+
+def test_save_keeps_every_array(result: cm.Result, tmp_path: Path) -> None:
+    path = result.save(tmp_path / "run.npz")
+    with np.load(path) as file:
+        for name in ("stress_ratio", "stress", "psi", "size", "edge_size", "pmf", "cdf", "crushes", "fines"):
+            np.testing.assert_array_equal(file[name], getattr(result, name))
+        np.testing.assert_array_equal(file["fabric"], result.fabric(-1).probability)
+        assert str(file["engine"]) == "slow-update"
+        assert str(file["unit"]) == "mm"
+    assert [p.name for p in tmp_path.iterdir()] == ["run.npz"]
+
+
+def test_save_refuses_other_endings_and_leaves_no_scraps(result: cm.Result, tmp_path: Path) -> None:
+    with pytest.raises(cm.ParameterError, match=r"it must end in \.npz"):
+        result.save(tmp_path / "run.nc")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_to_xarray(result: cm.Result) -> None:
+    data = result.to_xarray()
+    assert data["cdf"].dims == ("load", "psi")
+    np.testing.assert_array_equal(data["pmf"], result.pmf)
+    np.testing.assert_array_equal(data.coords["stress"], result.stress)
+    assert data.coords["size"].attrs["units"] == "mm"
+    assert data.attrs["engine"] == "slow-update"
+
+
+def test_percentiles_of_a_result(result: cm.Result) -> None:
+    d10, d60 = result.percentile(10), result.percentile(60)
+    assert np.all(d10 < d60)
+    for k in range(2):
+        assert np.interp(np.log(d60[k]), np.log(result.edge_size), result.cdf[k]) == pytest.approx(0.6)
+
+
+def test_percentiles_in_the_fines_bin_are_refused_or_extrapolated() -> None:
+    sim = cm.Simulation(cm.Material(), cm.power_law(2.0, 1e-4, 1.0), grid=cm.LogGrid(-4.0, 0.1, 83))
+    with pytest.warns(cm.ResolutionWarning):
+        result = sim.run(stress_ratio=0.5)
+    with pytest.raises(cm.ParameterError, match="D1 lies in the fines bin"):
+        result.percentile(1)
+    # F ~ s below: a tenth of the share lies at a tenth of the size
+    share = 100 * result.fines[0]
+    ten, one = (result.percentile(q, extrapolate=True)[0] for q in (share / 2, share / 20))
+    assert one == pytest.approx(ten / 10, rel=0.02)
+
+
+def test_plot_draws_what_the_result_has(result: cm.Result) -> None:
+    figure = result.plot()
+    left, right = figure.axes[:2]
+    curves = {line.get_label(): line for line in left.get_lines()}
+    assert set(curves) == {"start", "1", "8"}
+    np.testing.assert_allclose(np.asarray(curves["8"].get_ydata()), 100 * result.cdf[1])
+    np.testing.assert_allclose(np.asarray(curves["8"].get_xdata()), result.edge_size)
+    assert left.get_xlabel() == "grainsize (mm)"
+    zone = right.get_lines()[0]
+    larger, smaller = zone.get_data()
+    critical = cm.critical_stress_ratio(MATERIAL, np.exp(larger), np.exp(smaller))
+    np.testing.assert_allclose(critical, 8.0, rtol=1e-6)
+
+
+def test_plots_take_an_axes_and_return_it(result: cm.Result) -> None:
+    ax = result.plot().axes[0]
+    assert plotting.plot_gradings(result, ax) is ax
+    assert plotting.plot_fabric(result.start).get_xlabel()
+
+
+@pytest.mark.parametrize(
+    ("library", "call", "extra"),
+    [("matplotlib", "plot()", "plot"), ("xarray", "to_xarray()", "xarray")],
+)
+def test_a_missing_library_is_named_with_its_extra(library: str, call: str, extra: str) -> None:
+    script = (
+        f"import sys; sys.modules['{library}'] = None\n"
+        "import comminute as cm\n"
+        "result = cm.Simulation(cm.Material(), cm.monodisperse(1.0)).run(stress_ratio=1)\n"
+        f"try: result.{call}\n"
+        "except ImportError as error: print(error)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == (f"{call[:-2]} needs {library}; install it with: pip install 'comminute[{extra}]'")
