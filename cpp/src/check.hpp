@@ -17,6 +17,10 @@ inline std::string shape_text(Index rows, Index cols) {
 template <class T>
 void require_square(MatrixView<T> m, Index bins, const char* name) {
     if (m.rows() == bins && m.cols() == bins && m.stride() >= m.cols()) return;
+    if (m.stride() < m.cols()) {
+        throw ShapeError(std::string(name) + " has a stride of " + std::to_string(m.stride()) + "; rows of " +
+                         std::to_string(m.cols()) + " need at least that");
+    }
     throw ShapeError(std::string(name) + " has shape " + shape_text(m.rows(), m.cols()) +
                      "; the grid needs " + shape_text(bins, bins));
 }

@@ -71,6 +71,7 @@ bool CrushZones::crushes(double psi, double distance) const {
     const double strength = 3.0 / material_.weibull_modulus;
     const double contrast = distance / material_.fabric_width;
     const double cushion = 0.5 * contrast * contrast;
+    if (std::isinf(cushion)) return false;  // a fabric so narrow that its square underflows
     const double rounding = strength * magnitude_ + contrast * magnitude_ / material_.fabric_width;
     const double slack = 8.0 * epsilon * (std::abs(log_load_) + rounding);
     return log_load_ + strength * (psi - std::log(material_.reference_size)) + slack >= cushion;

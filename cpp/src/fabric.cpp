@@ -120,7 +120,9 @@ Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mea
                       "grainsize[" + std::to_string(i) + "]", grainsize[i]);
     }
     require_whole(std::accumulate(grainsize.begin(), grainsize.end(), 0.0), "grainsize");
-    const std::vector<double> neighbours = neighbourhood_pmf(grid, grainsize, mean);
+    std::vector<double> neighbours = neighbourhood_pmf(grid, grainsize, mean);
+    const double pairs = std::accumulate(neighbours.begin(), neighbours.end(), 0.0);
+    for (double& share : neighbours) share /= pairs;  // the product then adds up to what the grains do
     const Index bins = grid.bins();
     std::vector<double> probability(static_cast<std::size_t>(bins * bins));
     for (Index i = 0; i < bins; ++i) {

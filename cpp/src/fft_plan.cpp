@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <complex>
+#include <cstdlib>
 #include <mutex>
 #include <new>
 #include <vector>
@@ -17,6 +18,23 @@ std::mutex& planner() {
     static std::mutex mutex;
     return mutex;
 }
+
+// Plans from FFTW's own judgement alone, and gives its wisdom back as it was: what an engine computes does not depend, to
+// the last bit, on what else was planned in the process, and the host's wisdom is its own.
+class WisdomAside {
+  public:
+    WisdomAside() : kept_(fftw_export_wisdom_to_string()) { fftw_forget_wisdom(); }
+    WisdomAside(const WisdomAside&) = delete;
+    WisdomAside& operator=(const WisdomAside&) = delete;
+    ~WisdomAside() {
+        fftw_forget_wisdom();
+        if (kept_ != nullptr) fftw_import_wisdom_from_string(kept_);
+        std::free(kept_);  // as FFTW's manual asks for
+    }
+
+  private:
+    char* kept_;
+};
 
 struct FftwFree {
     void operator()(void* memory) const { fftw_free(memory); }
@@ -59,6 +77,7 @@ struct LineSpreader::Plans {
         const unsigned flags = effort == PlanEffort::measure ? FFTW_MEASURE : FFTW_ESTIMATE;
         {
             const std::lock_guard lock(planner());
+            const WisdomAside aside;
             const int howmany = static_cast<int>(lines);
             forward.plan = fftw_plan_many_dft_r2c(1, &n, howmany, buffer.get(), nullptr, 1, real_gap,
                                                   complex(), nullptr, 1, static_cast<int>(harmonics), flags);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "comminute/fragments.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <string>
 
 #include "comminute/error.hpp"
 #include "gauss.hpp"
@@ -14,6 +17,10 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void require_positive(const char* parameter, double value) {
     require(value > 0.0 && value < infinity, parameter, value, "greater than 0 and finite");
+}
+
+double normal_cdf(double z) {
+    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
 }
 
 FragmentPmf paper_pmf(const FragmentLaw& law, double h, Index bins) {
@@ -29,28 +36,46 @@ FragmentPmf paper_pmf(const FragmentLaw& law, double h, Index bins) {
     return pmf;
 }
 
+// Mean over the bin [lower, lower + h] in r of weight(u) times the law's density or cdf, u = (r - lower) / h, split
+// where those have kinks. In u, not in r, since far down the tail r/h has no digits left for the weight.
+template <class Law, class F>
+double mean_over_bin(const Law& law, const std::vector<double>& kinks, double lower, double h, const F& f) {
+    double sum = 0.0;
+    double begin = 0.0;
+    auto kink = std::upper_bound(kinks.begin(), kinks.end(), lower);
+    while (begin < 1.0) {
+        const double next = kink != kinks.end() ? (*kink++ - lower) / h : 1.0;
+        const double end = std::clamp(next, begin, 1.0);
+        if (end == begin) continue;
+        sum += integrate(f, begin, end, static_cast<int>(std::ceil((end - begin) * h / law.smooth_length())));
+        begin = end;
+    }
+    return sum;
+}
+
+template <class Law>
+std::vector<double> kinks_of(const Law& law) {
+    if constexpr (requires { law.kinks(); }) return law.kinks();
+    return {};
+}
+
 // f_m is the hat-weighted density around -m h; what lies at m or beyond is the cdf averaged over one bin.
-FragmentPmf conservative_pmf(const FragmentLaw& law, double h, Index bins) {
+template <class Law>
+FragmentPmf conservative_pmf(const Law& law, double h, Index bins) {
     FragmentPmf pmf;
     pmf.mass.assign(static_cast<std::size_t>(bins), 0.0);
     pmf.below.assign(static_cast<std::size_t>(bins), 1.0);
-    std::visit(
-        [&](const auto& l) {
-            const int panels = static_cast<int>(std::ceil(h / l.smooth_length()));
-            const auto below_u = [&](double depth) {
-                return [&l, h, depth](double u) { return l.cdf(-(depth + u) * h); };
-            };
-            for (std::size_t m = 0; m < pmf.mass.size(); ++m) {
-                const auto depth = static_cast<double>(m);
-                const auto lower = [&](double u) { return (1.0 - u) * l.pdf(-(depth + u) * h); };
-                const auto upper = [&](double u) { return u * l.pdf(-(depth - 1.0 + u) * h); };
-                pmf.mass[m] = h * integrate(lower, 0.0, 1.0, panels);
-                if (m == 0) continue;
-                pmf.mass[m] += h * integrate(upper, 0.0, 1.0, panels);
-                pmf.below[m] = integrate(below_u(depth - 1.0), 0.0, 1.0, panels);
-            }
-        },
-        law);
+    const std::vector<double> kinks = kinks_of(law);
+    for (std::size_t m = 0; m < pmf.mass.size(); ++m) {
+        const auto depth = static_cast<double>(m);
+        const auto rising = [&](double u) { return u * law.pdf((u - depth - 1.0) * h); };
+        pmf.mass[m] = h * mean_over_bin(law, kinks, -(depth + 1.0) * h, h, rising);
+        if (m == 0) continue;
+        const auto falling = [&](double u) { return (1.0 - u) * law.pdf((u - depth) * h); };
+        const auto cdf = [&](double u) { return law.cdf((u - depth) * h); };
+        pmf.mass[m] += h * mean_over_bin(law, kinks, -depth * h, h, falling);
+        pmf.below[m] = mean_over_bin(law, kinks, -depth * h, h, cdf);
+    }
     return pmf;
 }
 
@@ -97,11 +122,83 @@ void PowerLawFragments::validate() const {
     require_positive("exponent", exponent);
 }
 
+double LogNormalFragments::pdf(double r) const {
+    if (r > 0.0) return 0.0;
+    const double z = (r - mean_log) / sd_log;
+    return std::exp(-0.5 * z * z) /
+           (sd_log * std::sqrt(2.0 * std::numbers::pi) * normal_cdf(-mean_log / sd_log));
+}
+
+double LogNormalFragments::cdf(double r) const {
+    if (r >= 0.0) return 1.0;
+    return normal_cdf((r - mean_log) / sd_log) / normal_cdf(-mean_log / sd_log);
+}
+
+double LogNormalFragments::smooth_length() const {
+    return sd_log;
+}
+
+void LogNormalFragments::validate() const {
+    require_positive("sd_log", sd_log);
+    require(std::isfinite(mean_log) && mean_log <= 30.0 * sd_log, "mean_log", mean_log,
+            "finite and at most 30 sd_log: nearly all of the law would lie above X = 1");
+}
+
+double TabulatedFragments::tail_slope() const {
+    return finer[0] > 0.0 ? std::log(finer[1] / finer[0]) / std::log(x[1] / x[0]) : 0.0;
+}
+
+double TabulatedFragments::pdf(double r) const {
+    if (r > 0.0) return 0.0;
+    const double at = std::exp(r);
+    if (at < x[0]) return tail_slope() * cdf(r);
+    const auto above = std::min(
+        static_cast<std::size_t>(std::upper_bound(x.begin(), x.end(), at) - x.begin()), x.size() - 1);
+    return (finer[above] - finer[above - 1]) / std::log(x[above] / x[above - 1]);
+}
+
+double TabulatedFragments::cdf(double r) const {
+    if (r >= 0.0) return 1.0;
+    const double at = std::exp(r);
+    if (at < x[0]) return finer[0] > 0.0 ? finer[0] * std::exp(tail_slope() * (r - std::log(x[0]))) : 0.0;
+    const auto above = std::min(
+        static_cast<std::size_t>(std::upper_bound(x.begin(), x.end(), at) - x.begin()), x.size() - 1);
+    return finer[above - 1] + (finer[above] - finer[above - 1]) * (r - std::log(x[above - 1])) /
+                                  std::log(x[above] / x[above - 1]);
+}
+
+double TabulatedFragments::smooth_length() const {
+    return tail_slope() > 0.0 ? 1.0 / tail_slope() : 1.0;
+}
+
+std::vector<double> TabulatedFragments::kinks() const {
+    std::vector<double> at;
+    for (const double point : x) at.push_back(std::log(point));
+    return at;
+}
+
+void TabulatedFragments::validate() const {
+    if (x.size() != finer.size()) {
+        throw ShapeError("x has " + std::to_string(x.size()) + " entries and finer has " +
+                         std::to_string(finer.size()) + "; give one share for each x");
+    }
+    require(x.size() >= 2, "the number of points", static_cast<double>(x.size()), "at least 2");
+    for (std::size_t q = 0; q < x.size(); ++q) {
+        require(x[q] > (q == 0 ? 0.0 : x[q - 1]), "x", x[q], "rising and greater than 0");
+        require(finer[q] >= (q == 0 ? 0.0 : finer[q - 1]), "finer", finer[q], "at least 0 and never falling");
+    }
+    require(x.back() == 1.0, "the last x", x.back(), "1");
+    require(finer.back() == 1.0, "the last finer", finer.back(), "1");
+    require(finer[0] == 0.0 || finer[1] > finer[0], "finer", finer[0],
+            "0 at the first x, or rising to the second: no tail can be read from a flat start");
+}
+
 FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins, FragmentRule rule) {
     std::visit([](const auto& l) { l.validate(); }, law);
     require_positive("spacing", spacing);
     require(bins >= 1, "bins", static_cast<double>(bins), "at least 1");
-    return rule == FragmentRule::paper ? paper_pmf(law, spacing, bins) : conservative_pmf(law, spacing, bins);
+    if (rule == FragmentRule::paper) return paper_pmf(law, spacing, bins);
+    return std::visit([&](const auto& l) { return conservative_pmf(l, spacing, bins); }, law);
 }
 
 }  // namespace comminute

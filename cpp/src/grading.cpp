@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "comminute/criterion.hpp"
@@ -23,15 +24,35 @@ double exponential_ramp(double a, double x) {
                    : std::expm1(a * x) / std::expm1(a);
 }
 
-// The size below which `tail` of the mass lies, by bisection in ln s between two sizes that bracket it.
-double size_at(const Grading& grading, double tail, double lower, double upper) {
-    double low = std::log(lower);
-    double high = std::log(upper);
-    for (int halving = 0; halving < 60; ++halving) {
-        const double middle = 0.5 * (low + high);
-        (grading.finer(std::exp(middle)) < tail ? low : high) = middle;
-    }
-    return std::exp(high);
+void require_ordered(double smallest, double largest) {
+    if (smallest < largest) return;
+    throw ParameterError("smallest is " + text(smallest) + " and largest is " + text(largest) +
+                         "; smallest must be less than largest");
+}
+
+constexpr Index most_bins = 2000;  // of a grid that nobody asked for: its state takes 32 MB
+
+/// Log size below which 0.1 % of the grains lie, or 25 below the top for a tail that hardly falls.
+double finest_grain(const Grading& grading) {
+    return std::log(std::max(grading.smallest(1e-3), grading.largest() * std::exp(-25.0)));
+}
+
+/// Log size below which 1 % of the fragments lie of the smallest grain that the load crushes; inf if none below `top`.
+double finest_fragment(const Material& material, double top, double max_stress_ratio) {
+    const double crushable = std::log(material.reference_size) -
+                             material.weibull_modulus / 3.0 * std::log(std::max(max_stress_ratio, 1e-300));
+    if (crushable >= top) return std::numeric_limits<double>::infinity();
+    const auto finer = [&](double r) {
+        return std::visit([r](const auto& law) { return law.cdf(r); }, material.fragments);
+    };
+    double reach = 0.0;
+    while (finer(-reach) > 1e-2 && reach < 20.0) reach += 0.25;
+    const double band = std::min(0.25 * material.k(), 1.0);  // the zone's lowest point below its tip
+    return crushable - band - reach;
+}
+
+double normal_cdf(double z) {
+    return 0.5 * std::erfc(-z / std::sqrt(2.0));
 }
 
 }  // namespace
@@ -45,8 +66,19 @@ double PointMasses::finer(double size_at) const {
 double PowerLawGrading::finer(double size_at) const {
     if (size_at <= smallest) return 0.0;
     if (size_at >= largest) return 1.0;
+    if (smallest == 0.0) return std::pow(size_at / largest, 3.0 - fractal_dimension);
     const double range = std::log(largest / smallest);
     return exponential_ramp((3.0 - fractal_dimension) * range, std::log(size_at / smallest) / range);
+}
+
+double LogNormalGrading::finer(double size_at) const {
+    if (size_at >= largest) return 1.0;
+    return normal_cdf(std::log(size_at / median) / sd_log) / normal_cdf(std::log(largest / median) / sd_log);
+}
+
+double RosinRammlerGrading::finer(double size_at) const {
+    if (size_at >= largest) return 1.0;
+    return std::expm1(-std::pow(size_at / d63, exponent)) / std::expm1(-std::pow(largest / d63, exponent));
 }
 
 double SieveCurve::finer(double size_at) const {
@@ -67,28 +99,23 @@ double Grading::finer(double size) const {
 }
 
 double Grading::largest() const {
-    if (const auto* points = std::get_if<PointMasses>(&law)) return points->size.back();
-    if (const auto* power = std::get_if<PowerLawGrading>(&law)) return power->largest;
-    return std::get<SieveCurve>(law).size.back();
+    return std::visit([](const auto& l) { return l.largest_size(); }, law);
 }
 
 double Grading::smallest(double tail) const {
     require(tail >= 0.0 && tail < 1.0, "tail", tail, "at least 0 and less than 1");
-    if (const auto* points = std::get_if<PointMasses>(&law)) {
-        for (const double size : points->size) {
-            if (finer(size) > tail) return size;
-        }
-        return points->size.back();
+    const double smallest_size = std::visit([](const auto& l) { return l.smallest_size(); }, law);
+    if (finer(largest()) <= tail || tail == 0.0 || finer(std::max(smallest_size, 1e-300)) > tail)
+        return smallest_size;
+    // bisection in ln s; a tail that runs on for ever is bracketed by ever smaller sizes
+    double high = std::log(largest());
+    double low = smallest_size > 0.0 ? std::log(smallest_size) : high - 1.0;
+    while (finer(std::exp(low)) > tail) low -= 2.0 * (high - low);
+    for (int halving = 0; halving < 60; ++halving) {
+        const double middle = 0.5 * (low + high);
+        (finer(std::exp(middle)) <= tail ? low : high) = middle;
     }
-    if (const auto* power = std::get_if<PowerLawGrading>(&law)) {
-        return tail == 0.0 ? power->smallest : size_at(*this, tail, power->smallest, power->largest);
-    }
-    const auto& curve = std::get<SieveCurve>(law);
-    const double finest = curve.finer_than.front();
-    if (tail < finest) {
-        return tail == 0.0 ? 0.0 : curve.size.front() * std::pow(tail / finest, 1.0 / curve.tail_slope);
-    }
-    return size_at(*this, tail, curve.size.front(), curve.size.back());
+    return std::exp(high);
 }
 
 std::vector<double> Grading::on_grid(const LogGrid& grid) const {
@@ -135,13 +162,52 @@ Grading gap_graded(double coarse, double fine, double coarse_share) {
 
 Grading power_law(double fractal_dimension, double smallest, double largest) {
     require(std::isfinite(fractal_dimension), "fractal_dimension", fractal_dimension, "finite");
-    require_size("smallest", smallest);
+    require(fractal_dimension < 3.0 ? smallest >= 0.0 : smallest > 0.0, "smallest", smallest,
+            "greater than 0 (or 0, for a fractal dimension below 3)");
     require_size("largest", largest);
-    if (!(smallest < largest)) {
-        throw ParameterError("smallest is " + text(smallest) + " and largest is " + text(largest) +
-                             "; smallest must be less than largest");
-    }
+    require_ordered(smallest, largest);
     return {PowerLawGrading{fractal_dimension, smallest, largest}, "", {}};
+}
+
+Grading uniform_size(double smallest, double largest) {
+    return power_law(2.0, smallest, largest);
+}
+
+Grading log_uniform(double smallest, double largest) {
+    return power_law(3.0, smallest, largest);
+}
+
+Grading fuller(double largest, double exponent) {
+    require(exponent > 0.0 && std::isfinite(exponent), "exponent", exponent, "greater than 0 and finite");
+    return power_law(3.0 - exponent, 0.0, largest);
+}
+
+Grading lognormal(double median, double sd_log, std::optional<double> largest) {
+    require_size("median", median);
+    require(sd_log > 0.0 && std::isfinite(sd_log), "sd_log", sd_log, "greater than 0 and finite");
+    std::vector<std::string> notes;
+    if (!largest) {
+        largest = median * std::exp(4.0 * sd_log);
+        notes.push_back("the lognormal law is cut off 4 standard deviations above its median, at " +
+                        text(*largest));
+    }
+    require_size("largest", *largest);
+    require(std::log(*largest / median) > -30.0 * sd_log, "largest", *largest,
+            "within 30 standard deviations below the median");
+    return {LogNormalGrading{median, sd_log, *largest}, "", std::move(notes)};
+}
+
+Grading rosin_rammler(double d63, double exponent, std::optional<double> largest) {
+    require_size("d63", d63);
+    require(exponent > 0.0 && std::isfinite(exponent), "exponent", exponent, "greater than 0 and finite");
+    std::vector<std::string> notes;
+    if (!largest) {
+        largest = d63 * std::pow(-std::log(1e-4), 1.0 / exponent);
+        notes.push_back("the Rosin-Rammler law is cut off where 0.01 % would be coarser, at " +
+                        text(*largest));
+    }
+    require_size("largest", *largest);
+    return {RosinRammlerGrading{d63, exponent, *largest}, "", std::move(notes)};
 }
 
 Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean) {
@@ -156,34 +222,19 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
             "finite; with no bound on the load a grid must be given");
     require(spacing > 0.0 && std::isfinite(spacing), "spacing", spacing, "greater than 0 and finite");
 
-    constexpr double finest_grains = 1e-3;  // shares that may fall below the grid
-    constexpr double finest_fragments = 1e-2;
     const double top = std::log(grading.largest());
-    double bottom = std::log(grading.smallest(finest_grains));
-    const double strength = 3.0 / material.weibull_modulus;
-    const double crushable =
-        std::log(material.reference_size) - std::log(std::max(max_stress_ratio, 1e-300)) / strength;
-    if (crushable < top + spacing) {
-        double reach = 0.0;  // of the fragments of the smallest grain that crushes
-        const auto finer = [&](double r) {
-            return std::visit([r](const auto& law) { return law.cdf(r); }, material.fragments);
-        };
-        while (finer(-reach) > finest_fragments && reach < 20.0) reach += 0.25;
-        const double band = std::min(0.25 * material.k(), 1.0);  // the zone's lowest point below its tip
-        bottom = std::min(bottom, crushable - band - reach);
+    const double bottom =
+        std::min({finest_grain(grading), finest_fragment(material, top + spacing, max_stress_ratio),
+                  top - 8.0 * spacing}) -
+        8.0 * spacing;
+    double h = std::max(spacing, (top - bottom) / static_cast<double>(most_bins - 1));
+    const auto* points = std::get_if<PointMasses>(&grading.law);
+    if (points != nullptr && points->size.size() > 1) {
+        const double gap = top - std::log(points->size[points->size.size() - 2]);
+        h = gap / std::ceil(gap / h);
     }
-    bottom = std::min(bottom - 8.0 * spacing, top - 16.0 * spacing);
-
-    double h = spacing;
-    double psi_max = top;
-    if (const auto* points = std::get_if<PointMasses>(&grading.law)) {
-        if (points->size.size() > 1) {
-            const double gap = top - std::log(points->size[points->size.size() - 2]);
-            h = gap / std::ceil(gap / spacing);
-        }
-    } else {
-        psi_max = top - 0.5 * h;  // the top edge at the largest grain
-    }
+    // a point mass lies on the last centre, a spread grading ends at the last edge
+    const double psi_max = points != nullptr ? top : top - 0.5 * h;
     const auto below_top = static_cast<Index>(std::ceil((psi_max - bottom) / h));
     return {psi_max - static_cast<double>(below_top) * h, psi_max, below_top + 1};
 }
@@ -205,7 +256,7 @@ double percentile(const LogGrid& grid, VectorView<const double> cdf, double perc
     const auto i = bin - cdf.begin();
     if (i == 0) {
         const double slope = std::log(cdf[1] / cdf[0]) / grid.spacing();
-        if (extrapolate && finer > 0.0 && slope > 0.0) {
+        if (extrapolate && finer > 0.0 && slope > 0.0 && std::isfinite(slope)) {
             return std::exp(grid.edge(1) + std::log(finer / cdf[0]) / slope);
         }
         throw ParameterError(name + " lies in the fines bin, which holds " + text(100.0 * cdf[0]) +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "comminute/settle.hpp"
 
+#include <cmath>
 #include <numeric>
 
 #include "check.hpp"
@@ -16,6 +17,7 @@ StepReport repeat(Engine& engine, MatrixView<double> state, double stress_ratio,
     double total = 0.0;
     for (Index i = 0; i < state.rows(); ++i)
         total = std::accumulate(state.row(i), state.row(i) + state.cols(), total);
+    require(std::isfinite(total), "the total of the state", total, "finite, and so must every entry");
     StepReport sum;
     while ((steps == 0 || sum.steps < steps) && (!go_on || go_on())) {
         const StepReport step = engine.step(state, stress_ratio, state);

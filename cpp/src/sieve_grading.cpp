@@ -116,7 +116,8 @@ Grading sieve_grading(const std::vector<double>& size, const std::vector<double>
                       std::string unit, bool extend_top) {
     std::vector<std::string> notes;
     std::vector<Point> points = sorted_points(size, percent_finer);
-    if (points.back().finer == 1.0) {
+    const auto by_finer = [](const Point& p, const Point& q) { return p.finer < q.finer; };
+    if (std::max_element(points.begin(), points.end(), by_finer)->finer == 1.0) {
         for (Point& point : points) point.finer *= 100.0;
         notes.emplace_back("the values end at 1: read as fractions, not per cent");
     }

@@ -29,8 +29,8 @@ SlowUpdate::SlowUpdate(const LogGrid& grid, const Material& material, FragmentRu
       fragments_reversed_(kernel_.fragments().mass.rbegin(), kernel_.fragments().mass.rend()),
       in_row_(static_cast<std::size_t>(grid.bins())),
       in_column_(static_cast<std::size_t>(grid.bins())) {
-    lifted_.reserve(static_cast<std::size_t>(grid.bins()));
-    lifted_mass_.reserve(static_cast<std::size_t>(std::max(grid.bins(), lifted_at_once)));
+    lifted_.resize(static_cast<std::size_t>(grid.bins()));
+    lifted_mass_.resize(static_cast<std::size_t>(std::max(grid.bins(), lifted_at_once)));
 }
 
 // Finds the active mass, and refuses what is not a number before anything has moved.
@@ -91,12 +91,13 @@ void SlowUpdate::lift_row(Index m, MatrixView<double> p) {
     if (on_diagonal != 0.0) run = {run.end > run.begin ? run.begin : m, m + 1};
     if (run.end == run.begin) return;
 
-    lifted_.push_back({m, run.begin, run.end, static_cast<Index>(lifted_mass_.size())});
-    lifted_mass_.insert(lifted_mass_.end(), p.row(m) + run.begin, p.row(m) + run.end);
+    lifted_[lifted_runs_++] = {m, run.begin, run.end, lifted_cells_};
+    std::copy(p.row(m) + run.begin, p.row(m) + run.end, lifted_mass_.begin() + lifted_cells_);
+    lifted_cells_ += run.end - run.begin;
     for (Index j = run.begin; j < run.end; ++j) p(m, j) *= f0;
     if (on_diagonal == 0.0) return;
     const double half = 0.5 * on_diagonal;
-    lifted_mass_.back() = half;
+    lifted_mass_[static_cast<std::size_t>(lifted_cells_ - 1)] = half;
     Line(p.row(m) + 1, m - 1) += half * ConstLine(fragments_reversed_.data() + p.rows() - m, m - 1);
     p(m, 0) += half * kernel_.fragments().below[at];
 }
@@ -105,19 +106,20 @@ void SlowUpdate::lift_row(Index m, MatrixView<double> p) {
 void SlowUpdate::spread_along_columns(MatrixView<double> p) {
     const std::vector<double>& f = kernel_.fragments().mass;
     const std::vector<double>& below = kernel_.fragments().below;
-    auto first = lifted_.cbegin();
-    for (Index r = 0; !lifted_.empty() && r < lifted_.back().shell; ++r) {
-        while (first->shell <= r) ++first;
+    const Lifted* first = lifted_.data();
+    const Lifted* const end = first + lifted_runs_;
+    for (Index r = 0; first != end; ++r) {
+        while (first != end && first->shell <= r) ++first;
         double* row = p.row(r);
-        for (auto run = first; run != lifted_.cend(); ++run) {
+        for (const Lifted* run = first; run != end; ++run) {
             const double share = r == 0 ? below[static_cast<std::size_t>(run->shell)]
                                         : f[static_cast<std::size_t>(run->shell - r)];
             const double* mass = lifted_mass_.data() + run->mass;
             for (Index j = run->begin; j < run->end; ++j) row[j] += share * mass[j - run->begin];
         }
     }
-    lifted_.clear();
-    lifted_mass_.clear();
+    lifted_runs_ = 0;
+    lifted_cells_ = 0;
 }
 
 StepReport SlowUpdate::step(MatrixView<const double> p, double stress_ratio, MatrixView<double> out) {
@@ -135,7 +137,7 @@ StepReport SlowUpdate::step(MatrixView<const double> p, double stress_ratio, Mat
     // Fragments of a shell's arms land in lower shells, those of its diagonal cell in its own arms. With the shells in
     // ascending order, and a shell's arms taken out before anything lands in them, nothing is spread twice.
     for (Index m = 1; m < bins; ++m) {
-        if (static_cast<Index>(lifted_mass_.size()) + m + 1 > static_cast<Index>(lifted_mass_.capacity())) {
+        if (lifted_cells_ + m + 1 > static_cast<Index>(lifted_mass_.size())) {
             spread_along_columns(out);
         }
         spread_along_rows(m, out);

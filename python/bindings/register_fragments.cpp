@@ -7,8 +7,10 @@ namespace {
 using comminute::FragmentLaw;
 using comminute::FragmentRule;
 using comminute::Index;
+using comminute::LogNormalFragments;
 using comminute::Material;
 using comminute::PowerLawFragments;
+using comminute::TabulatedFragments;
 using comminute::WeibullFragments;
 
 template <class Law>
@@ -52,7 +54,7 @@ fabric_width : float
     math.inf switches the fabric off: size alone decides.
 reference_size : float
     s_max > 0, in the unit of the sizes: a reference, not a bound.
-fragments : WeibullFragments or PowerLawFragments
+fragments : WeibullFragments, PowerLawFragments, LogNormalFragments or TabulatedFragments
     Law of the size-reduction factor of one crush.
 first_crush_stress : float, optional
     Stress at which a grain of reference_size among equals crushes. Needed only to speak in
@@ -191,6 +193,94 @@ Examples
                         [](const py::tuple& t) { return PowerLawFragments{t[0].cast<double>()}; }));
     add_law_methods(power_class);
 
+    const LogNormalFragments lognormal;
+    py::class_<LogNormalFragments> lognormal_class(
+        m, "LogNormalFragments",
+        R"doc(Lognormal law of the size-reduction factor, cut off at X = 1.
+
+R = ln X is normal, restricted to R <= 0.
+
+Parameters
+----------
+mean_log : float
+    Mean of ln X before the cut, at most 30 sd_log.
+sd_log : float
+    Its standard deviation, > 0.
+
+Raises
+------
+ParameterError
+    For a value outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> round(cm.LogNormalFragments(mean_log=-1.0, sd_log=0.5).cdf(-1.0), 4)
+0.5116
+)doc");
+    lognormal_class
+        .def(py::init([](double mean_log, double sd_log) {
+                 return valid(LogNormalFragments{mean_log, sd_log});
+             }),
+             py::arg("mean_log") = lognormal.mean_log, py::arg("sd_log") = lognormal.sd_log)
+        .def_readonly("mean_log", &LogNormalFragments::mean_log, "Mean of ln X before the cut.")
+        .def_readonly("sd_log", &LogNormalFragments::sd_log, "Standard deviation of ln X before the cut.")
+        .def("__repr__",
+             [](const LogNormalFragments& l) {
+                 return repr_of("LogNormalFragments", "mean_log", l.mean_log, "sd_log", l.sd_log);
+             })
+        .def(py::pickle([](const LogNormalFragments& l) { return py::make_tuple(l.mean_log, l.sd_log); },
+                        [](const py::tuple& t) {
+                            return LogNormalFragments{t[0].cast<double>(), t[1].cast<double>()};
+                        }));
+    add_law_methods(lognormal_class);
+
+    py::class_<TabulatedFragments> tabulated_class(m, "TabulatedFragments",
+                                                   R"doc(A measured law of the size-reduction factor.
+
+P[X <= x] is linear in ln x between the points. Below the first it continues as the power law
+through the first two, or is 0 where the first share is 0.
+
+Parameters
+----------
+x : sequence of float
+    Two or more, rising, in (0, 1], the last 1.
+finer : sequence of float
+    P[X <= x], never falling, the last 1.
+
+Raises
+------
+ParameterError, ShapeError
+    Naming the value and the rule.
+
+Examples
+--------
+>>> import math
+>>> import comminute as cm
+>>> law = cm.TabulatedFragments([0.25, 0.5, 1.0], [0.0, 0.4, 1.0])
+>>> round(law.cdf(math.log(0.5)), 12)
+0.4
+)doc");
+    tabulated_class
+        .def(py::init([](std::vector<double> x, std::vector<double> finer) {
+                 return valid(TabulatedFragments{std::move(x), std::move(finer)});
+             }),
+             py::arg("x"), py::arg("finer"))
+        .def_property_readonly(
+            "x", [](const TabulatedFragments& l) { return copied(l.x); }, "(Q,) points.")
+        .def_property_readonly(
+            "finer", [](const TabulatedFragments& l) { return copied(l.finer); }, "(Q,) P[X <= x].")
+        .def("__repr__",
+             [](const TabulatedFragments& l) {
+                 return repr_of("TabulatedFragments", "x", l.x, "finer", l.finer);
+             })
+        .def(py::pickle(
+            [](const TabulatedFragments& l) { return py::make_tuple(l.x, l.finer); },
+            [](const py::tuple& t) {
+                return TabulatedFragments{t[0].cast<std::vector<double>>(), t[1].cast<std::vector<double>>()};
+            }));
+    add_law_methods(tabulated_class);
+
     m.def(
         "fragment_pmf",
         [](const FragmentLaw& law, double spacing, Index bins, const std::string& rule) {
@@ -201,7 +291,7 @@ Examples
 
 Parameters
 ----------
-fragments : WeibullFragments or PowerLawFragments
+fragments : WeibullFragments, PowerLawFragments, LogNormalFragments or TabulatedFragments
     The law.
 spacing : float
     Bin width h > 0.

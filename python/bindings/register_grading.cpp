@@ -6,36 +6,61 @@ namespace {
 
 using namespace comminute;
 
+/// The fields of each law, in the order of its struct: one list for text and for pickles.
+py::tuple fields(const PointMasses& l) {
+    return py::make_tuple(l.size, l.share);
+}
+py::tuple fields(const PowerLawGrading& l) {
+    return py::make_tuple(l.fractal_dimension, l.smallest, l.largest);
+}
+py::tuple fields(const LogNormalGrading& l) {
+    return py::make_tuple(l.median, l.sd_log, l.largest);
+}
+py::tuple fields(const RosinRammlerGrading& l) {
+    return py::make_tuple(l.d63, l.exponent, l.largest);
+}
+py::tuple fields(const SieveCurve& l) {
+    return py::make_tuple(l.size, l.finer_than, l.tail_slope);
+}
+
 std::string describe(const GradingLaw& law) {
-    if (const auto* points = std::get_if<PointMasses>(&law)) {
-        return repr_of("point masses: ", "size", points->size, "share", points->share);
+    if (const auto* l = std::get_if<PointMasses>(&law))
+        return repr_of("points", "size", l->size, "share", l->share);
+    if (const auto* l = std::get_if<PowerLawGrading>(&law)) {
+        return repr_of("power_law", "fractal_dimension", l->fractal_dimension, "smallest", l->smallest,
+                       "largest", l->largest);
     }
-    if (const auto* power = std::get_if<PowerLawGrading>(&law)) {
-        return repr_of("power law: ", "fractal_dimension", power->fractal_dimension, "smallest",
-                       power->smallest, "largest", power->largest);
+    if (const auto* l = std::get_if<LogNormalGrading>(&law)) {
+        return repr_of("lognormal", "median", l->median, "sd_log", l->sd_log, "largest", l->largest);
+    }
+    if (const auto* l = std::get_if<RosinRammlerGrading>(&law)) {
+        return repr_of("rosin_rammler", "d63", l->d63, "exponent", l->exponent, "largest", l->largest);
     }
     const auto& curve = std::get<SieveCurve>(law);
-    return repr_of("sieves: ", "points", curve.size.size(), "smallest", curve.size.front(), "largest",
+    return repr_of("sieves", "points", curve.size.size(), "finest", curve.size.front(), "largest",
                    curve.size.back());
 }
 
-py::object state_of(const GradingLaw& law) {
-    if (const auto* points = std::get_if<PointMasses>(&law))
-        return py::make_tuple(0, points->size, points->share);
-    if (const auto* power = std::get_if<PowerLawGrading>(&law)) {
-        return py::make_tuple(1, power->fractal_dimension, power->smallest, power->largest);
-    }
-    const auto& curve = std::get<SieveCurve>(law);
-    return py::make_tuple(2, curve.size, curve.finer_than, curve.tail_slope);
+py::tuple state_of(const GradingLaw& law) {
+    return py::make_tuple(law.index(), std::visit([](const auto& l) { return fields(l); }, law));
 }
 
-GradingLaw law_of(const py::tuple& t) {
+GradingLaw law_of(const py::tuple& state) {
     using Numbers = std::vector<double>;
-    if (t[0].cast<int>() == 0) return PointMasses{t[1].cast<Numbers>(), t[2].cast<Numbers>()};
-    if (t[0].cast<int>() == 1) {
-        return PowerLawGrading{t[1].cast<double>(), t[2].cast<double>(), t[3].cast<double>()};
+    const auto t = state[1].cast<py::tuple>();
+    const auto number = [&t](std::size_t f) { return t[f].cast<double>(); };
+    switch (state[0].cast<std::size_t>()) {
+        case 0:
+            return PointMasses{t[0].cast<Numbers>(), t[1].cast<Numbers>()};
+        case 1:
+            return PowerLawGrading{number(0), number(1), number(2)};
+        case 2:
+            return LogNormalGrading{number(0), number(1), number(2)};
+        case 3:
+            return RosinRammlerGrading{number(0), number(1), number(2)};
+        default:
+            return SieveCurve{t[0].cast<Numbers>(), t[1].cast<Numbers>(), number(2)};
     }
-    return SieveCurve{t[1].cast<Numbers>(), t[2].cast<Numbers>(), t[3].cast<double>()};
 }
 
 Grading from_sieves(const std::vector<double>& size, const std::vector<double>& percent_finer,
@@ -184,7 +209,7 @@ Parameters
 ----------
 fractal_dimension : float
 smallest, largest : float
-    0 < smallest < largest.
+    0 < smallest < largest; smallest may be 0 for a fractal dimension below 3.
 
 Returns
 -------
@@ -200,6 +225,132 @@ Examples
 >>> import comminute as cm
 >>> cm.power_law(2.5, 1e-3, 1.0).finer(1.0)
 1.0
+)doc");
+    m.def("uniform_size", &uniform_size, py::arg("smallest"), py::arg("largest"),
+          R"doc(Mass uniform in size between two sizes: the power law of fractal dimension 2.
+
+Parameters
+----------
+smallest, largest : float
+    0 <= smallest < largest.
+
+Returns
+-------
+Grading
+
+Raises
+------
+ParameterError
+    For a value outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> cm.uniform_size(0.0, 2.0).finer(0.5)
+0.25
+)doc");
+    m.def("log_uniform", &log_uniform, py::arg("smallest"), py::arg("largest"),
+          R"doc(Mass uniform in ln(size) between two sizes: the power law of fractal dimension 3.
+
+Parameters
+----------
+smallest, largest : float
+    0 < smallest < largest.
+
+Returns
+-------
+Grading
+
+Raises
+------
+ParameterError
+    For a value outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> round(cm.log_uniform(0.01, 1.0).finer(0.1), 12)
+0.5
+)doc");
+    m.def("fuller", &fuller, py::arg("largest"), py::arg("exponent") = 0.5,
+          R"doc(Fuller-Talbot curve F = (size / largest)**exponent.
+
+Parameters
+----------
+largest : float
+    > 0.
+exponent : float
+    > 0; one half is Fuller's, any other Talbot's.
+
+Returns
+-------
+Grading
+
+Raises
+------
+ParameterError
+    For a value outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> cm.fuller(16.0).finer(4.0)
+0.5
+)doc");
+    m.def("lognormal", &lognormal, py::arg("median"), py::arg("sd_log"), py::kw_only(),
+          py::arg("largest") = py::none(), R"doc(Lognormal by mass, cut off at a largest size and rescaled.
+
+Parameters
+----------
+median : float
+    Of the uncut law.
+sd_log : float
+    Standard deviation of ln(size), > 0.
+largest : float, optional
+    Where it is cut off; left out: 4 standard deviations above the median, and `notes` says so.
+
+Returns
+-------
+Grading
+
+Raises
+------
+ParameterError
+    For a value outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> round(cm.lognormal(0.5, 0.4).finer(0.5), 4)
+0.5
+)doc");
+    m.def("rosin_rammler", &rosin_rammler, py::arg("d63"), py::arg("exponent"), py::kw_only(),
+          py::arg("largest") = py::none(),
+          R"doc(Rosin-Rammler F = 1 - exp(-(size / d63)**exponent), cut off at a largest size and rescaled.
+
+Parameters
+----------
+d63 : float
+    Size that 63.2 % of the uncut law is finer than, > 0.
+exponent : float
+    > 0.
+largest : float, optional
+    Where it is cut off; left out: where 0.01 % would be coarser, and `notes` says so.
+
+Returns
+-------
+Grading
+
+Raises
+------
+ParameterError
+    For a value outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> round(cm.rosin_rammler(1.0, 1.2).finer(1.0), 3)
+0.632
 )doc");
 }
 
@@ -257,7 +408,7 @@ material : Material
 max_stress_ratio : float
     Largest load to come, >= 0 and finite.
 spacing : float
-    Wanted bin width in psi; the grid's is no larger.
+    Wanted bin width in psi; the grid's is no larger, unless that would take more than 2000 bins.
 
 Returns
 -------

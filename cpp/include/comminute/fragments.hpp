@@ -48,7 +48,52 @@ struct PowerLawFragments {
     }
 };
 
-using FragmentLaw = std::variant<WeibullFragments, PowerLawFragments>;
+/// Lognormal law of X cut off at X = 1: R = ln X is normal, restricted to R <= 0.
+///
+/// @code{.cpp}
+/// comminute::LogNormalFragments law{-1.0, 0.5};
+/// CHECK(law.cdf(-1.0) == doctest::Approx(0.5 / (0.5 * std::erfc(-2.0 / std::sqrt(2.0)))));
+/// @endcode
+struct LogNormalFragments {
+    double mean_log = -1.0;  ///< mean of ln X before the cut, finite, at most 30 sd_log
+    double sd_log = 1.0;     ///< its standard deviation, > 0
+
+    double pdf(double r) const;
+    double cdf(double r) const;
+    double smooth_length() const;
+    void validate() const;
+    friend bool operator==(const LogNormalFragments& a, const LogNormalFragments& b) {
+        return a.mean_log == b.mean_log && a.sd_log == b.sd_log;
+    }
+};
+
+/// A measured law: P[X <= x] at given points, linear in ln x between them. Below the first point it continues as the
+/// power law through the first two, or is 0 where the first share is 0.
+///
+/// @code{.cpp}
+/// comminute::TabulatedFragments law{{0.25, 0.5, 1.0}, {0.0, 0.4, 1.0}};
+/// CHECK(law.cdf(std::log(0.5)) == doctest::Approx(0.4));
+/// CHECK(law.pdf(std::log(0.6)) == doctest::Approx(0.6 / std::log(2.0)));
+/// @endcode
+struct TabulatedFragments {
+    std::vector<double> x;      ///< two or more, rising, in (0, 1], the last 1
+    std::vector<double> finer;  ///< P[X <= x], in [0, 1], never falling, the last 1
+
+    double pdf(double r) const;
+    double cdf(double r) const;
+    double smooth_length() const;
+    /// Where the density jumps, in r; quadratures must not step over these.
+    std::vector<double> kinks() const;
+    void validate() const;
+    friend bool operator==(const TabulatedFragments& a, const TabulatedFragments& b) {
+        return a.x == b.x && a.finer == b.finer;
+    }
+
+  private:
+    double tail_slope() const;
+};
+
+using FragmentLaw = std::variant<WeibullFragments, PowerLawFragments, LogNormalFragments, TabulatedFragments>;
 
 /// How a law in r becomes a pmf in bins.
 enum class FragmentRule {

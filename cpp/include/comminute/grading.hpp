@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -16,22 +17,54 @@ struct PointMasses {
     std::vector<double> share;  ///< of the mass, each > 0, sum 1
 
     double finer(double size_at) const;
+    double smallest_size() const { return size.front(); }
+    double largest_size() const { return size.back(); }
     friend bool operator==(const PointMasses& a, const PointMasses& b) {
         return a.size == b.size && a.share == b.share;
     }
 };
 
 /// Power law N(> s) ~ s^-alpha between two sizes, by mass
-/// F = (s^(3-alpha) - s_m^(3-alpha)) / (s_M^(3-alpha) - s_m^(3-alpha)); alpha = 3 is uniform in ln s.
+/// F = (s^(3-alpha) - s_m^(3-alpha)) / (s_M^(3-alpha) - s_m^(3-alpha)); alpha = 3 is uniform in ln s, 2 uniform in s.
 struct PowerLawGrading {
     double fractal_dimension;
-    double smallest;
+    double smallest;  ///< 0 is allowed for alpha < 3
     double largest;
 
     double finer(double size_at) const;
+    double smallest_size() const { return smallest; }
+    double largest_size() const { return largest; }
     friend bool operator==(const PowerLawGrading& a, const PowerLawGrading& b) {
         return a.fractal_dimension == b.fractal_dimension && a.smallest == b.smallest &&
                a.largest == b.largest;
+    }
+};
+
+/// Lognormal by mass, cut off at `largest` and rescaled.
+struct LogNormalGrading {
+    double median;
+    double sd_log;
+    double largest;
+
+    double finer(double size_at) const;
+    double smallest_size() const { return 0.0; }
+    double largest_size() const { return largest; }
+    friend bool operator==(const LogNormalGrading& a, const LogNormalGrading& b) {
+        return a.median == b.median && a.sd_log == b.sd_log && a.largest == b.largest;
+    }
+};
+
+/// Rosin-Rammler F = 1 - exp[-(d / d63)^exponent], cut off at `largest` and rescaled.
+struct RosinRammlerGrading {
+    double d63;
+    double exponent;
+    double largest;
+
+    double finer(double size_at) const;
+    double smallest_size() const { return 0.0; }
+    double largest_size() const { return largest; }
+    friend bool operator==(const RosinRammlerGrading& a, const RosinRammlerGrading& b) {
+        return a.d63 == b.d63 && a.exponent == b.exponent && a.largest == b.largest;
     }
 };
 
@@ -42,12 +75,15 @@ struct SieveCurve {
     double tail_slope = 0.0;         ///< > 0 where finer_than[0] > 0
 
     double finer(double size_at) const;
+    double smallest_size() const { return finer_than.front() > 0.0 ? 0.0 : size.front(); }
+    double largest_size() const { return size.back(); }
     friend bool operator==(const SieveCurve& a, const SieveCurve& b) {
         return a.size == b.size && a.finer_than == b.finer_than && a.tail_slope == b.tail_slope;
     }
 };
 
-using GradingLaw = std::variant<PointMasses, PowerLawGrading, SieveCurve>;
+using GradingLaw =
+    std::variant<PointMasses, PowerLawGrading, LogNormalGrading, RosinRammlerGrading, SieveCurve>;
 
 /// How much of the mass is finer than each size, at the start. Make one with the functions below.
 struct Grading {
@@ -82,8 +118,21 @@ struct Grading {
 Grading monodisperse(double size);
 /// @param coarse_share  of the mass, in [0, 1]
 Grading gap_graded(double coarse, double fine, double coarse_share = 0.5);
-/// @param fractal_dimension  alpha; 0 < smallest < largest
+/// @param fractal_dimension  alpha; 0 < smallest < largest, or smallest = 0 for alpha < 3
 Grading power_law(double fractal_dimension, double smallest, double largest);
+/// Uniform in s by mass, the power law with alpha = 2.
+Grading uniform_size(double smallest, double largest);
+/// Uniform in ln s by mass, the power law with alpha = 3.
+Grading log_uniform(double smallest, double largest);
+/// Fuller-Talbot F = (d / largest)^exponent, the power law with alpha = 3 - exponent from 0.
+Grading fuller(double largest, double exponent = 0.5);
+/// @param median   of the uncut law, by mass
+/// @param sd_log   standard deviation of ln s
+/// @param largest  where the law is cut off; none: 4 standard deviations above the median (a note says so)
+Grading lognormal(double median, double sd_log, std::optional<double> largest = std::nullopt);
+/// @param d63      size that 1 - 1/e of the uncut law is finer than
+/// @param largest  where the law is cut off; none: where 0.01 % would be coarser (a note says so)
+Grading rosin_rammler(double d63, double exponent, std::optional<double> largest = std::nullopt);
 /// @param size           two or more sieve openings in any order, all different
 /// @param percent_finer  one a sieve, 0 to 100, never falling with size, 100 at the coarsest; a curve that
 /// ends at
@@ -99,7 +148,7 @@ Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mea
 /// A grid that fits: its top edge at the largest grain, the fines bin below both the finest grains and the
 /// zone of the largest load, point masses on bin centres (the two coarsest at least).
 /// @param max_stress_ratio  largest load to come, >= 0
-/// @param spacing           wanted bin width, > 0; the grid's is no larger
+/// @param spacing           wanted bin width, > 0; the grid's is no larger, unless that would take more than 2000 bins
 ///
 /// @code{.cpp}
 /// auto grid = comminute::fitting_grid(comminute::gap_graded(1.0, 0.1), comminute::Material{}, 100.0);

@@ -29,9 +29,10 @@ class LogGrid {
     Index bins() const { return bins_; }
     double spacing() const { return (psi_max_ - psi_min_) / static_cast<double>(bins_ - 1); }
 
-    /// Centre of bin i. Written as a weighted mean so that both ends, and a zero between them, come out
-    /// exact.
+    /// Centre of bin i. Both ends are exact, and by the weighted mean so is a zero between them.
     double centre(Index i) const {
+        if (i == 0) return psi_min_;
+        if (i == bins_ - 1) return psi_max_;
         return (psi_min_ * static_cast<double>(bins_ - 1 - i) + psi_max_ * static_cast<double>(i)) /
                static_cast<double>(bins_ - 1);
     }

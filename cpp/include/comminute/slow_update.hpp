@@ -61,7 +61,9 @@ class SlowUpdate {
     std::vector<Run> in_row_;     // cells (m, j < m): psi crushes
     std::vector<Run> in_column_;  // cells (i < m, m): psibar crushes
     std::vector<Lifted> lifted_;
+    std::size_t lifted_runs_ = 0;
     std::vector<double> lifted_mass_;
+    Index lifted_cells_ = 0;
     StepReport report_;
 };
 
