@@ -135,7 +135,8 @@ double LogNormalFragments::cdf(double r) const {
 }
 
 double LogNormalFragments::smooth_length() const {
-    return sd_log;
+    // cut off far below its mean the law is all flank, as steep as exp(r mean_log / sd_log^2)
+    return sd_log / std::max(1.0, mean_log / sd_log);
 }
 
 void LogNormalFragments::validate() const {

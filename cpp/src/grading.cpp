@@ -110,7 +110,11 @@ double Grading::smallest(double tail) const {
     // bisection in ln s; a tail that runs on for ever is bracketed by ever smaller sizes
     double high = std::log(largest());
     double low = smallest_size > 0.0 ? std::log(smallest_size) : high - 1.0;
-    while (finer(std::exp(low)) > tail) low -= 2.0 * (high - low);
+    const double least = std::log(std::numeric_limits<double>::min());
+    while (finer(std::exp(low)) > tail) {
+        if (low == least) return 0.0;  // that size is smaller than any number
+        low = std::max(low - 2.0 * (high - low), least);
+    }
     for (int halving = 0; halving < 60; ++halving) {
         const double middle = 0.5 * (low + high);
         (finer(std::exp(middle)) <= tail ? low : high) = middle;
@@ -231,7 +235,9 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
     const auto* points = std::get_if<PointMasses>(&grading.law);
     if (points != nullptr && points->size.size() > 1) {
         const double gap = top - std::log(points->size[points->size.size() - 2]);
-        h = gap / std::ceil(gap / h);
+        // sizes that differ by less than a bin of the largest grid share one
+        const double fitted = gap / std::ceil(gap / h);
+        if ((top - bottom) / fitted < static_cast<double>(most_bins)) h = fitted;
     }
     // a point mass lies on the last centre, a spread grading ends at the last edge
     const double psi_max = points != nullptr ? top : top - 0.5 * h;

@@ -146,7 +146,8 @@ Grading sieve_grading(const std::vector<double>& size, const std::vector<double>
 Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mean::arithmetic);
 
 /// A grid that fits: its top edge at the largest grain, the fines bin below both the finest grains and the
-/// zone of the largest load, point masses on bin centres (the two coarsest at least).
+/// zone of the largest load, point masses on bin centres (the two coarsest at least,
+/// unless they differ by less than a bin of the largest grid).
 /// @param max_stress_ratio  largest load to come, >= 0
 /// @param spacing           wanted bin width, > 0; the grid's is no larger, unless that would take more than 2000 bins
 ///
