@@ -99,6 +99,10 @@ void CrushZones::set_load(double stress_ratio) {
     }
 }
 
+bool CrushZones::active(double psi, double psibar) const {
+    return crushes(std::max(psi, psibar), std::abs(psi - psibar));
+}
+
 void CrushZones::fill(MatrixView<std::uint8_t> zones) const {
     require_square(zones, grid_.bins(), "zones");
     for (Index i = 0; i < grid_.bins(); ++i) {

@@ -51,6 +51,32 @@ double finest_fragment(const Material& material, double top, double max_stress_r
     return crushable - band - reach;
 }
 
+/// Where in bin i the cdf reaches `finer`: linear between its jumps.
+double inside_bin(const LogGrid& grid, Index i, double below, double above, double finer,
+                  const std::vector<PointMass>& points) {
+    double spread = above - below;
+    for (const PointMass& point : points) {
+        if (grid.bin_of(point.psi) == i) spread -= point.mass;
+    }
+    const double slope = std::max(spread, 0.0) / grid.spacing();
+    double psi = grid.edge(i);
+    double reached = below;
+    const auto rise_to = [&](double end) {
+        const double risen = slope * (end - psi);
+        if (reached + risen >= finer && risen > 0.0) return true;
+        reached += risen;
+        psi = end;
+        return false;
+    };
+    for (const PointMass& point : points) {
+        if (grid.bin_of(point.psi) != i) continue;
+        if (rise_to(point.psi)) break;
+        reached += point.mass;
+        if (reached >= finer - 1e-12) return point.psi;
+    }
+    return slope > 0.0 ? std::min(psi + std::max(finer - reached, 0.0) / slope, grid.edge(i + 1)) : grid.edge(i + 1);
+}
+
 double normal_cdf(double z) {
     return 0.5 * std::erfc(-z / std::sqrt(2.0));
 }
@@ -214,8 +240,16 @@ Grading rosin_rammler(double d63, double exponent, std::optional<double> largest
     return {RosinRammlerGrading{d63, exponent, *largest}, "", std::move(notes)};
 }
 
-Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean) {
-    return mixed_fabric(grid, grading.on_grid(grid), mean);
+Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean, PointHandling points) {
+    std::vector<double> pmf = grading.on_grid(grid);
+    const auto* sizes = std::get_if<PointMasses>(&grading.law);
+    if (sizes == nullptr || points == PointHandling::binned) return mixed_fabric(grid, std::move(pmf), mean);
+    std::vector<PointMass> exact;
+    for (std::size_t q = 0; q < sizes->size.size(); ++q) {
+        exact.push_back({std::min(std::log(sizes->size[q]), grid.edge(grid.bins())), sizes->share[q]});
+    }
+    std::fill(pmf.begin(), pmf.end(), 0.0);
+    return mixed_fabric(grid, std::move(pmf), mean, std::move(exact));
 }
 
 LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,
@@ -245,7 +279,8 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
     return {psi_max - static_cast<double>(below_top) * h, psi_max, below_top + 1};
 }
 
-double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate) {
+double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate,
+                  const std::vector<PointMass>& points) {
     require(percent >= 0.0 && percent <= 100.0, "percent", percent, "between 0 and 100");
     if (cdf.size() != grid.bins()) {
         throw ShapeError("cdf has " + std::to_string(cdf.size()) + " entries; the grid has " +
@@ -269,9 +304,7 @@ double percentile(const LogGrid& grid, VectorView<const double> cdf, double perc
                              " % below a size of " + text(std::exp(grid.edge(1))) +
                              "; lower psi_min to resolve it, or pass extrapolate = true");
     }
-    const double below = cdf[i - 1];
-    const double fraction = *bin > below ? std::clamp((finer - below) / (*bin - below), 0.0, 1.0) : 1.0;
-    return std::exp(grid.edge(i) + fraction * grid.spacing());
+    return std::exp(inside_bin(grid, i, cdf[i - 1], *bin, finer, points));
 }
 
 }  // namespace comminute

@@ -9,11 +9,11 @@ from typing import NamedTuple, get_args
 
 import numpy as np
 import pytest
-import reference_quasi_static as qs
-from reference_quasi_static import Atom, LogNormal, Scheme, Tabulated
 
 import reference as ref
+import reference_quasi_static as qs
 from reference import HAND_CASE, Array, Law, Model, PowerLaw, Rule, Weibull
+from reference_quasi_static import Atom, LogNormal, Scheme, Tabulated
 
 RULES: tuple[Rule, ...] = get_args(Rule)
 SCHEMES: tuple[Scheme, ...] = get_args(Scheme)

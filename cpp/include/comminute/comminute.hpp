@@ -12,6 +12,7 @@
 #include "comminute/grid.hpp"
 #include "comminute/kernel.hpp"
 #include "comminute/material.hpp"
+#include "comminute/quasi_static.hpp"
 #include "comminute/settle.hpp"
 #include "comminute/slow_update.hpp"
 #include "comminute/version.hpp"
