@@ -25,7 +25,8 @@ class ActiveBand {
     double share(Index m, Index distance) const {
         if (distance < full(m)) return 1.0;
         if (distance > last(m)) return 0.0;
-        return partial_[static_cast<std::size_t>(first_partial_[static_cast<std::size_t>(m)] + distance - full(m))];
+        return partial_[static_cast<std::size_t>(first_partial_[static_cast<std::size_t>(m)] + distance -
+                                                 full(m))];
     }
 
   private:

@@ -10,7 +10,7 @@
 namespace comminute {
 namespace {
 
-constexpr Index pad = 4;             // lines below the first, so that loops over an arm need no remainder
+constexpr Index pad = 4;               // lines below the first, so that loops over an arm need no remainder
 constexpr Index columns_a_block = 32;  // enough to use whole cache lines of the state's rows
 constexpr Index shells_a_flush = 16;
 constexpr double negligible = 1e-200;
@@ -29,8 +29,8 @@ struct Terms {
     std::array<const double*, 4> power;
 };
 
-COMMINUTE_MULTIVERSION void advance(const Terms& t, const double* __restrict entering, double* __restrict arriving,
-                                    Index count) {
+COMMINUTE_MULTIVERSION void advance(const Terms& t, const double* __restrict entering,
+                                    double* __restrict arriving, Index count) {
     double* __restrict s0 = t.sums[0];
     double* __restrict s1 = t.sums[1];
     double* __restrict s2 = t.sums[2];
@@ -48,7 +48,8 @@ COMMINUTE_MULTIVERSION void advance(const Terms& t, const double* __restrict ent
         s1[k] = s1[k] * q1 + e1 * x;
         s2[k] = s2[k] * q2 + e2 * x;
         s3[k] = s3[k] * q3 + e3 * x;
-        arriving[k] += (s0[k] + c0 * p0[k]) + (s1[k] + c1 * p1[k]) + (s2[k] + c2 * p2[k]) + (s3[k] + c3 * p3[k]);
+        arriving[k] +=
+            (s0[k] + c0 * p0[k]) + (s1[k] + c1 * p1[k]) + (s2[k] + c2 * p2[k]) + (s3[k] + c3 * p3[k]);
     }
 }
 
@@ -142,8 +143,8 @@ void BandSweep::arrive_on_arm(const CrushTable& table, Lines& lines, const Lines
     for (Index shell = m + 1; shell <= std::min(m + table.head, bins_ - 1); ++shell) {
         const Index from = std::max(begin, first(shell));
         if (from >= m) break;
-        add_scaled(table.mass[static_cast<std::size_t>(shell - m)], pushed(lines, shell, from), arriving + from,
-                   m - from);
+        add_scaled(table.mass[static_cast<std::size_t>(shell - m)], pushed(lines, shell, from),
+                   arriving + from, m - from);
     }
     for (Index shell = m; shell <= std::min(m + table.head, bins_ - 1) && first(shell) <= m; ++shell) {
         const double mass = *pushed(other, shell, m);
@@ -153,7 +154,8 @@ void BandSweep::arrive_on_arm(const CrushTable& table, Lines& lines, const Lines
 
 // What lands in the fines cell at the end of an arm: along its own line as anywhere, along the crossing one all that
 // falls below the grid.
-double BandSweep::landed_in_fines(const CrushTable& table, const Lines& lines, const Lines& other, Index m) const {
+double BandSweep::landed_in_fines(const CrushTable& table, const Lines& lines, const Lines& other,
+                                  Index m) const {
     double landed = other.fines[static_cast<std::size_t>(m)];
     for (Index a = 0; a < table.terms; ++a) landed += lines.sums[static_cast<std::size_t>(a * stride_ + pad)];
     for (Index shell = m + 1; shell <= std::min(m + table.head, bins_ - 1) && first(shell) == 0; ++shell) {
@@ -191,7 +193,8 @@ double BandSweep::crush_diagonal(const CrushTable& table, Index m, double there,
 }
 
 // Moves the active part of an arm onto its lines; the total that moved.
-double BandSweep::crush_arm(const CrushTable& table, Lines& lines, Index m, const double* there, double* rest) {
+double BandSweep::crush_arm(const CrushTable& table, Lines& lines, Index m, const double* there,
+                            double* rest) {
     const double* settled = settled_share_.data() + pad;
     const double* arrived = arrived_share_.data() + pad;
     const double* landed = arriving_.data() + pad;
@@ -259,7 +262,8 @@ void BandSweep::run(const CrushTable& table, const ActiveBand& before, const Act
     block_.resize(static_cast<std::size_t>(columns_a_block * stride_));
     double* arriving = arriving_.data() + pad;
     const bool decays_far =
-        table.terms > 0 && std::pow(table.ratio.front(), static_cast<double>(table.terms * width_)) < negligible;
+        table.terms > 0 &&
+        std::pow(table.ratio.front(), static_cast<double>(table.terms * width_)) < negligible;
     for (Index end = bins_; end > 0; end -= std::min(end, columns_a_block)) {
         const Index begin = std::max(Index{0}, end - columns_a_block);
         take_columns(state, begin, end);
@@ -273,19 +277,22 @@ void BandSweep::run(const CrushTable& table, const ActiveBand& before, const Act
             arriving[m] = landed;
             const double half = crush_diagonal(table, m, state(m, m), out != nullptr ? out->row(m) : nullptr);
 
-            const auto arm = [&](Lines& lines, const Lines& other, const double* there, double* rest, auto along,
-                                 auto across) {
+            const auto arm = [&](Lines& lines, const Lines& other, const double* there, double* rest,
+                                 auto along, auto across) {
                 std::fill(arriving + m - rounded_up(m - first(m)), arriving + m, 0.0);
                 arrive_on_arm(table, lines, other, m);
                 if (first(m) == 0 && m > 0) arriving[0] = landed_in_fines(table, lines, other, m);
                 for (const OuterProduct& from : arrivals) {
                     const double factor = (from.*across)[static_cast<std::size_t>(m)];
-                    if (factor != 0.0) add_scaled(factor, (from.*along).data() + first(m), arriving + first(m), m - first(m));
+                    if (factor != 0.0)
+                        add_scaled(factor, (from.*along).data() + first(m), arriving + first(m),
+                                   m - first(m));
                 }
                 return crush_arm(table, lines, m, there, rest);
             };
-            const double grain = half + arm(columns_, rows_, state.row(m), out != nullptr ? out->row(m) : nullptr,
-                                            &OuterProduct::psibar, &OuterProduct::psi);
+            const double grain =
+                half + arm(columns_, rows_, state.row(m), out != nullptr ? out->row(m) : nullptr,
+                           &OuterProduct::psibar, &OuterProduct::psi);
             double* column = block_.data() + (m - begin) * stride_;
             const double neighbour = half + arm(rows_, columns_, column, out != nullptr ? column : nullptr,
                                                 &OuterProduct::psi, &OuterProduct::psibar);

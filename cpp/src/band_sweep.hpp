@@ -31,7 +31,8 @@ class BandSweep {
     /// @param after   shares that are active now, none smaller
     /// @param out     of which the cells in the band are written; null: marginals only
     void run(const CrushTable& table, const ActiveBand& before, const ActiveBand& after,
-             MatrixView<const double> state, const std::vector<OuterProduct>& arrivals, MatrixView<double>* out);
+             MatrixView<const double> state, const std::vector<OuterProduct>& arrivals,
+             MatrixView<double>* out);
 
     /// After a run with `out`: writes all cells outside the band, what was there and what landed there.
     void far_field(const CrushTable& table, MatrixView<const double> state,
@@ -94,7 +95,8 @@ class BandSweep {
     std::vector<double> settled_share_;
     std::vector<double> arrived_share_;
     std::vector<double> block_;  // a few columns of the state, each in one piece
-    std::vector<double> scaled_;   // (K, N) far sums of the columns, as seen from the first column of their block
+    std::vector<double>
+        scaled_;  // (K, N) far sums of the columns, as seen from the first column of their block
     std::vector<double> largest_;  // (K) of a term and the later ones, as a share of the first, in any column
 };
 

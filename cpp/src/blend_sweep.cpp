@@ -40,8 +40,8 @@ void BlendSweep::crush(Index i, Index j, double mass) {
     spread(rate_ * crushing * stays, j, false, row(i));
 }
 
-void BlendSweep::visit(Index i, Index j, double settled_share, double arrived_share, MatrixView<const double> state,
-                       MatrixView<double> out) {
+void BlendSweep::visit(Index i, Index j, double settled_share, double arrived_share,
+                       MatrixView<const double> state, MatrixView<double> out) {
     const double waiting = pending(j)[i];
     if (waiting != 0.0) spread(waiting, j, true, row(i));
     const double landed = row(i)[j] + column(j)[i];

@@ -13,7 +13,8 @@ namespace {
 using Wide = long double;
 
 constexpr std::size_t most_terms = 24;
-constexpr double longest_rate = 3.0;  // above it the terms of the sum cancel; the head then takes the steep part
+constexpr double longest_rate =
+    3.0;  // above it the terms of the sum cancel; the head then takes the steep part
 constexpr double tail_rate = 2.0;
 
 // Coefficients b_a of F(y) = (1 - exp(-rate y)) / (1 - exp(-rate)) = sum_a b_a y^(a+1): its derivative interpolated

@@ -23,8 +23,9 @@ std::string place_text(const char* list, std::size_t index, const char* field = 
 // An exact place inside the grid and above the fines bin, whose grains have no exact size.
 void require_resolved(const LogGrid& grid, double psi, const std::string& place) {
     if (psi >= grid.edge(1) && psi <= grid.edge(grid.bins())) return;
-    throw ParameterError(place + " is " + text(psi) + "; it must lie between " + text(grid.edge(1)) + " and " +
-                         text(grid.edge(grid.bins())) + ", inside the grid and above its fines bin");
+    throw ParameterError(place + " is " + text(psi) + "; it must lie between " + text(grid.edge(1)) +
+                         " and " + text(grid.edge(grid.bins())) +
+                         ", inside the grid and above its fines bin");
 }
 
 double checked_total(const LogGrid& grid, const std::vector<Atom>& atoms) {
@@ -79,7 +80,8 @@ std::vector<PointMass> exact_sizes(const std::vector<Atom>& atoms, const std::ve
 
 std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread,
                                 const std::vector<PointMass>& points) {
-    for (const PointMass& point : points) spread[static_cast<std::size_t>(grid.bin_of(point.psi))] += point.mass;
+    for (const PointMass& point : points)
+        spread[static_cast<std::size_t>(grid.bin_of(point.psi))] += point.mass;
     return spread;
 }
 
@@ -102,7 +104,8 @@ Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::vector
     }
     double total = std::accumulate(rows.begin(), rows.end(), 0.0);
     total += checked_total(grid, atoms) + checked_total(grid, ridges);
-    require_whole(total, atoms.empty() && ridges.empty() ? "probability" : "probability, atoms and ridges together");
+    require_whole(total,
+                  atoms.empty() && ridges.empty() ? "probability" : "probability, atoms and ridges together");
 
     std::vector<double> spread = rows;
     for (const Ridge& ridge : ridges) {
@@ -110,9 +113,9 @@ Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::vector
     }
     std::vector<PointMass> points = exact_sizes(atoms, ridges);
     std::vector<double> grainsize = with_points(grid, spread, points);
-    data_ = std::make_shared<const Data>(Data{grid, std::move(probability), std::move(atoms), std::move(ridges),
-                                              settled_at, mean, std::move(rows), std::move(spread),
-                                              std::move(points), std::move(grainsize)});
+    data_ = std::make_shared<const Data>(Data{grid, std::move(probability), std::move(atoms),
+                                              std::move(ridges), settled_at, mean, std::move(rows),
+                                              std::move(spread), std::move(points), std::move(grainsize)});
 }
 
 MatrixView<const double> Fabric::probability() const {
@@ -145,7 +148,9 @@ Fabric Fabric::binned() const {
     if (atoms().empty() && ridges().empty()) return *this;
     const Index bins = grid().bins();
     std::vector<double> p = data_->probability;
-    const auto put = [&](Index i, Index j, double mass) { p[static_cast<std::size_t>(i * bins + j)] += mass; };
+    const auto put = [&](Index i, Index j, double mass) {
+        p[static_cast<std::size_t>(i * bins + j)] += mass;
+    };
     for (const Atom& atom : atoms()) put(grid().bin_of(atom.psi), grid().bin_of(atom.psibar), atom.mass);
     for (const Ridge& ridge : ridges()) {
         const Index at = grid().bin_of(ridge.at);
@@ -162,7 +167,8 @@ Fabric Fabric::binned() const {
 bool operator==(const Fabric& a, const Fabric& b) {
     return a.data_ == b.data_ ||
            (a.grid() == b.grid() && a.mean() == b.mean() && a.settled_at() == b.settled_at() &&
-            a.data_->probability == b.data_->probability && a.atoms() == b.atoms() && a.ridges() == b.ridges());
+            a.data_->probability == b.data_->probability && a.atoms() == b.atoms() &&
+            a.ridges() == b.ridges());
 }
 
 }  // namespace comminute

@@ -13,9 +13,7 @@ class FabricAccess {
   public:
     using Data = Fabric::Data;
 
-    static Fabric make(Data data) {
-        return Fabric(std::make_shared<const Data>(std::move(data)));
-    }
+    static Fabric make(Data data) { return Fabric(std::make_shared<const Data>(std::move(data))); }
     /// (N) marginal of the bins and of the ridges that spread over psi, without the exact sizes.
     static const std::vector<double>& spread(const Fabric& fabric) { return fabric.data_->spread; }
     /// (N) marginal of the bins alone.
@@ -27,6 +25,7 @@ class FabricAccess {
 std::vector<PointMass> exact_sizes(const std::vector<Atom>& atoms, const std::vector<Ridge>& ridges);
 
 /// (N) `spread` with every point in the bin that holds it.
-std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread, const std::vector<PointMass>& points);
+std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread,
+                                const std::vector<PointMass>& points);
 
 }  // namespace comminute

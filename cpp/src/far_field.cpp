@@ -42,15 +42,18 @@ void BandSweep::land_left(const CrushTable& table, Index i, double* row) const {
     row[0] += rows_.fines[static_cast<std::size_t>(i)];
     if (end == 1) return;
 
-    const Index in_head = std::clamp(i - table.head, Index{1}, end);  // nearer than that the head counts apart
+    const Index in_head =
+        std::clamp(i - table.head, Index{1}, end);  // nearer than that the head counts apart
     if (in_head < end) {
         for (Index shell = i; shell <= std::min(i + table.head, bins_ - 1) && first(shell) <= i; ++shell) {
             const double mass = *pushed(rows_, shell, i);
-            if (mass != 0.0) add_scaled(mass, table.mass_towards(shell, in_head), row + in_head, end - in_head);
+            if (mass != 0.0)
+                add_scaled(mass, table.mass_towards(shell, in_head), row + in_head, end - in_head);
         }
         for (Index a = 0; a < table.terms; ++a) {
             const double sum = rows_.near[static_cast<std::size_t>(a * bins_ + i)];
-            if (sum != 0.0) add_scaled(sum, table.powers_towards(a, i, in_head), row + in_head, end - in_head);
+            if (sum != 0.0)
+                add_scaled(sum, table.powers_towards(a, i, in_head), row + in_head, end - in_head);
         }
     }
     // Terms of fast decay are nothing beyond a few blocks; those left are ever fewer.
@@ -132,7 +135,8 @@ void BandSweep::land_right(const CrushTable& table, Index i, Index begin, double
         const Index distance = from - i - table.head;
         const double slowest = table.powers(0)[distance];
         for (Index a = 0; a < table.terms; a += 4) {
-            if (largest_[static_cast<std::size_t>(a)] * table.powers(a)[distance] <= rounding * slowest) break;
+            if (largest_[static_cast<std::size_t>(a)] * table.powers(a)[distance] <= rounding * slowest)
+                break;
             FourLines four{};
             for (std::size_t t = 0; t < 4; ++t) {
                 const Index term = a + static_cast<Index>(t);

@@ -74,7 +74,8 @@ double inside_bin(const LogGrid& grid, Index i, double below, double above, doub
         reached += point.mass;
         if (reached >= finer - 1e-12) return point.psi;
     }
-    return slope > 0.0 ? std::min(psi + std::max(finer - reached, 0.0) / slope, grid.edge(i + 1)) : grid.edge(i + 1);
+    return slope > 0.0 ? std::min(psi + std::max(finer - reached, 0.0) / slope, grid.edge(i + 1))
+                       : grid.edge(i + 1);
 }
 
 double normal_cdf(double z) {

@@ -60,8 +60,8 @@ MeanPlace place_of_mean(double h, Index d, Mean mean) {
 }
 
 // Neighbourhoods made of one grain of exact size and one from a bin.
-void add_mixed_pairs(const LogGrid& grid, const std::vector<double>& spread, const std::vector<PointMass>& points,
-                     Mean mean, std::vector<double>& pmf) {
+void add_mixed_pairs(const LogGrid& grid, const std::vector<double>& spread,
+                     const std::vector<PointMass>& points, Mean mean, std::vector<double>& pmf) {
     for (const PointMass& point : points) {
         for (Index i = 0; i < grid.bins(); ++i) {
             const double weight = 2.0 * point.mass * spread[static_cast<std::size_t>(i)];
@@ -78,14 +78,16 @@ std::vector<PointMass> exact_pairs(const std::vector<PointMass>& points, Mean me
     for (std::size_t a = 0; a < points.size(); ++a) {
         for (std::size_t b = 0; b <= a; ++b) {
             const double ways = a == b ? 1.0 : 2.0;
-            pairs.push_back({mean_of(points[a].psi, points[b].psi, mean), ways * points[a].mass * points[b].mass});
+            pairs.push_back(
+                {mean_of(points[a].psi, points[b].psi, mean), ways * points[a].mass * points[b].mass});
         }
     }
     return pairs;
 }
 
 // Points of the same size as one, fine to coarse, those in the fines bin added to it.
-std::vector<PointMass> resolved(const LogGrid& grid, const std::vector<PointMass>& points, std::vector<double>& spread) {
+std::vector<PointMass> resolved(const LogGrid& grid, const std::vector<PointMass>& points,
+                                std::vector<double>& spread) {
     std::vector<Atom> as_atoms;
     for (const PointMass& point : points) {
         if (point.psi < grid.edge(1)) {
@@ -118,7 +120,8 @@ std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const doub
     return pmf;
 }
 
-Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mean, std::vector<PointMass> points) {
+Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mean,
+                    std::vector<PointMass> points) {
     const Index bins = grid.bins();
     double total = 0.0;
     for (std::size_t i = 0; i < grainsize.size(); ++i) {
@@ -167,7 +170,8 @@ Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mea
         add_ridge(Axis::neighbour, neighbour.psi, grains, neighbour.mass);
     }
     data.rows.resize(static_cast<std::size_t>(bins));
-    Line(data.rows.data(), bins) = points.empty() ? Eigen::ArrayXd(grains) : Eigen::ArrayXd(in_bins.sum() * grains);
+    Line(data.rows.data(), bins) =
+        points.empty() ? Eigen::ArrayXd(grains) : Eigen::ArrayXd(in_bins.sum() * grains);
     data.grainsize = with_points(grid, grainsize, points);
     return FabricAccess::make(std::move(data));
 }

@@ -30,8 +30,8 @@ bool equal_sizes(double a, double b) {
 
 }  // namespace
 
-PointSweep::PointSweep(const LogGrid& grid, const Material& material, const FragmentPmf& fragments, double rate,
-                       double settled_at, double stress_ratio)
+PointSweep::PointSweep(const LogGrid& grid, const Material& material, const FragmentPmf& fragments,
+                       double rate, double settled_at, double stress_ratio)
     : grid_(grid),
       material_(material),
       fragments_(fragments),
@@ -80,7 +80,8 @@ void PointSweep::crush_atom(const Atom& atom) {
         for (Index i = 0; i < grid_.bins(); ++i) {
             Parts& landed = ridge.arrived[static_cast<std::size_t>(i)];
             const double share = pmf[static_cast<std::size_t>(i)];
-            const double above = i < own ? 0.0 : (i > own ? share : finer(grid_.edge(i + 1), from) - finer(at, from));
+            const double above =
+                i < own ? 0.0 : (i > own ? share : finer(grid_.edge(i + 1), from) - finer(at, from));
             landed.above += mass * above;
             landed.below += mass * (share - above);
         }
@@ -128,8 +129,8 @@ void PointSweep::spread(double mass, Index from, std::vector<double>& onto) cons
 // there, W; above it, where the partner is the larger one, to the roots of D^2 = W^2 + k D.
 PointSweep::Parts PointSweep::active(const CrushZones& zones, double at, Index bin) const {
     const double k = material_.k();
-    const double tip = std::log(material_.reference_size) -
-                       material_.weibull_modulus / 3.0 * std::log(zones.stress_ratio());
+    const double tip =
+        std::log(material_.reference_size) - material_.weibull_modulus / 3.0 * std::log(zones.stress_ratio());
     const double from = grid_.edge(bin);
     const double to = grid_.edge(bin + 1);
     Parts share;

@@ -58,7 +58,8 @@ class PointSweep {
     CrushZones after_;
     std::vector<Atom> atoms_;
     std::map<Place, Line> lines_;
-    std::map<Place, std::vector<double>> into_bins_;  // by what crushed at its exact size: bins of its partners
+    std::map<Place, std::vector<double>>
+        into_bins_;  // by what crushed at its exact size: bins of its partners
     double crushed_[2] = {0.0, 0.0};
 };
 

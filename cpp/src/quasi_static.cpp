@@ -26,12 +26,9 @@ std::vector<double> row_sums(MatrixView<const double> state) {
 }
 
 // Takes the crushed mass out of each bin of a marginal and adds it where its fragments lie: one line of the sweep.
-void move_fragments(const CrushTable& table, const std::vector<double>& crushed, std::vector<double>& marginal) {
-    for (std::size_t i = 0; i < marginal.size(); ++i) {
-        // the difference is a bin's mass less all of it, at the worst: what is below 0 is rounding
-        marginal[i] = std::max(marginal[i] - crushed[i], 0.0);
-        marginal[0] += crushed[i] * table.below[i];
-    }
+void move_fragments(const CrushTable& table, const std::vector<double>& crushed,
+                    std::vector<double>& marginal) {
+    for (std::size_t i = 0; i < marginal.size(); ++i) marginal[0] += crushed[i] * table.below[i];
     const Index bins = table.bins;
     std::vector<double> sums(static_cast<std::size_t>(table.terms), 0.0);
     for (Index i = bins - 1; i >= 1; --i) {
@@ -47,7 +44,9 @@ void move_fragments(const CrushTable& table, const std::vector<double>& crushed,
         for (Index m = 1; m <= head; ++m) {
             landed += table.mass[static_cast<std::size_t>(m)] * crushed[static_cast<std::size_t>(i + m)];
         }
-        marginal[static_cast<std::size_t>(i)] += landed;
+        // Where all of a bin crushes the difference is nothing, and what is below 0 is rounding.
+        double& mass = marginal[static_cast<std::size_t>(i)];
+        mass = std::max(mass + landed - crushed[static_cast<std::size_t>(i)], 0.0);
     }
 }
 
@@ -84,7 +83,9 @@ struct QuasiStatic::Work {
           sweep(g.bins()),
           blend(fragments, loading_rate) {}
 
-    FragmentRule rule() const { return scheme == Scheme::paper ? FragmentRule::paper : FragmentRule::conservative; }
+    FragmentRule rule() const {
+        return scheme == Scheme::paper ? FragmentRule::paper : FragmentRule::conservative;
+    }
 
     void set_loads(std::optional<double> settled_at, double stress_ratio) {
         if (settled_at) {
@@ -109,10 +110,12 @@ struct QuasiStatic::Work {
             for (Index j = 0; j < grid.bins(); ++j) {
                 if (std::isfinite(state(i, j))) continue;
                 throw ParameterError("state[" + std::to_string(i) + ", " + std::to_string(j) + "] is " +
-                                     text(state(i, j)) + "; every entry inside the crush zone must be finite");
+                                     text(state(i, j)) +
+                                     "; every entry inside the crush zone must be finite");
             }
         }
-        throw ParameterError("the state's masses add up to more than a number can hold; scale it to a total of 1");
+        throw ParameterError(
+            "the state's masses add up to more than a number can hold; scale it to a total of 1");
     }
 
     /// Brings the bins to rest. `rows` is their marginal before and after; `out` may be left out without a rate.
@@ -150,7 +153,8 @@ struct QuasiStatic::Work {
     }
 
     /// Everything but the numbers of the bins, which go to `out` where that is given.
-    FabricAccess::Data settle(const Fabric& state, double stress_ratio, MatrixView<double>* out, SolveReport& report) {
+    FabricAccess::Data settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
+                              SolveReport& report) {
         set_loads(state.settled_at(), stress_ratio);
         PointSweep points(grid, material, fragments, rate, state.settled_at().value_or(0.0), stress_ratio);
         points.run(state);
@@ -159,7 +163,8 @@ struct QuasiStatic::Work {
         report.crushed += points.crushed();
         report.crushed_neighbour += points.crushed_neighbour();
 
-        FabricAccess::Data data{grid, {}, points.atoms(), points.ridges(), stress_ratio, state.mean(), rows, rows, {}, {}};
+        FabricAccess::Data data{
+            grid, {}, points.atoms(), points.ridges(), stress_ratio, state.mean(), rows, rows, {}, {}};
         for (const Ridge& ridge : data.ridges) {
             if (ridge.exact != Axis::neighbour) continue;
             Line(data.spread.data(), grid.bins()) += ConstLine(ridge.mass.data(), grid.bins());
@@ -180,7 +185,9 @@ struct QuasiStatic::Work {
         return scheme == Scheme::paper ? state.binned() : state;
     }
 
-    std::vector<double> new_state() const { return std::vector<double>(static_cast<std::size_t>(grid.bins() * grid.bins())); }
+    std::vector<double> new_state() const {
+        return std::vector<double>(static_cast<std::size_t>(grid.bins() * grid.bins()));
+    }
 };
 
 QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, Scheme scheme, double loading_rate,
@@ -197,11 +204,21 @@ QuasiStatic::~QuasiStatic() = default;
 QuasiStatic::QuasiStatic(QuasiStatic&&) noexcept = default;
 QuasiStatic& QuasiStatic::operator=(QuasiStatic&&) noexcept = default;
 
-const LogGrid& QuasiStatic::grid() const { return work_->grid; }
-const Material& QuasiStatic::material() const { return work_->material; }
-Scheme QuasiStatic::scheme() const { return work_->scheme; }
-double QuasiStatic::loading_rate() const { return work_->rate; }
-SolvePath QuasiStatic::path() const { return work_->path; }
+const LogGrid& QuasiStatic::grid() const {
+    return work_->grid;
+}
+const Material& QuasiStatic::material() const {
+    return work_->material;
+}
+Scheme QuasiStatic::scheme() const {
+    return work_->scheme;
+}
+double QuasiStatic::loading_rate() const {
+    return work_->rate;
+}
+SolvePath QuasiStatic::path() const {
+    return work_->path;
+}
 
 Fabric QuasiStatic::solve(const Fabric& given, double stress_ratio, SolveReport* report) {
     require_stress_ratio(stress_ratio);
@@ -232,8 +249,8 @@ Marginal QuasiStatic::marginal(const Fabric& given, double stress_ratio) {
     return marginal;
 }
 
-SolveReport QuasiStatic::solve(MatrixView<const double> state, double stress_ratio, std::optional<double> settled_at,
-                               MatrixView<double> out) {
+SolveReport QuasiStatic::solve(MatrixView<const double> state, double stress_ratio,
+                               std::optional<double> settled_at, MatrixView<double> out) {
     require_square(state, grid().bins(), "state");
     require_square(out, grid().bins(), "out");
     require_same_or_apart(state, out);

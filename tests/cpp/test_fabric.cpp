@@ -62,7 +62,7 @@ TEST_CASE("a fabric hands out the numbers it was given, and their sums by row an
     std::mt19937_64 random(41);
     const LogGrid grid(-4.0, 1.0, 23);
     const State state = random_state(23, random, 1.0, 0.4);
-    const Fabric fabric(grid, state.mass, 12.5, Mean::geometric);
+    const Fabric fabric(grid, state.mass, {}, 12.5, Mean::geometric);
     CHECK(fabric.grid() == grid);
     CHECK(fabric.mean() == Mean::geometric);
     CHECK(fabric.settled_at() == 12.5);
@@ -102,15 +102,15 @@ TEST_CASE("fabrics are equal when numbers, grid, load and mean all are") {
     std::mt19937_64 random(42);
     const LogGrid grid(-1.0, 0.0, 8);
     const std::vector<double> p = random_state(8, random).mass;
-    const Fabric fabric(grid, p, 2.0);
-    CHECK(fabric == Fabric(grid, p, 2.0));
-    CHECK_FALSE(fabric == Fabric(grid, p, 3.0));
+    const Fabric fabric(grid, p, {}, 2.0);
+    CHECK(fabric == Fabric(grid, p, {}, 2.0));
+    CHECK_FALSE(fabric == Fabric(grid, p, {}, 3.0));
     CHECK_FALSE(fabric == Fabric(grid, p));
-    CHECK_FALSE(fabric == Fabric(grid, p, 2.0, Mean::geometric));
-    CHECK_FALSE(fabric == Fabric(LogGrid(-1.5, 0.0, 8), p, 2.0));
+    CHECK_FALSE(fabric == Fabric(grid, p, {}, 2.0, Mean::geometric));
+    CHECK_FALSE(fabric == Fabric(LogGrid(-1.5, 0.0, 8), p, {}, 2.0));
     std::vector<double> other = p;
     other[9] += 1e-15;
-    CHECK_FALSE(fabric == Fabric(grid, other, 2.0));
+    CHECK_FALSE(fabric == Fabric(grid, other, {}, 2.0));
 }
 
 TEST_CASE("a fabric refuses numbers that are not shares of one mass, giving their place") {
@@ -133,11 +133,11 @@ TEST_CASE("a fabric refuses numbers that are not shares of one mass, giving thei
                   "probability adds up to 2; it holds the whole mass, 1. Divide it by its sum");
     CHECK_THROWS_AS(Fabric(grid, with(5, 1.0 / 64.0 + 2e-9)), ParameterError);
     CHECK_NOTHROW(Fabric(grid, with(5, 1.0 / 64.0 + 0.9e-9)));
-    CHECK_REFUSED(Fabric(grid, even, -1.0),
+    CHECK_REFUSED(Fabric(grid, even, {}, -1.0),
                   "stress_ratio is -1; it must be a number of at least 0 (0 is no load)");
-    CHECK_REFUSED(Fabric(grid, even, helpers::not_a_number),
+    CHECK_REFUSED(Fabric(grid, even, {}, helpers::not_a_number),
                   "stress_ratio is nan; it must be a number of at least 0 (0 is no load)");
-    CHECK_NOTHROW(Fabric(grid, even, 0.0));
+    CHECK_NOTHROW(Fabric(grid, even, {}, 0.0));
 
     CHECK_THROWS_WITH_AS(mixed_fabric(grid, std::vector<double>(9, 1.0 / 9.0)),
                          "grainsize has 9 entries; the grid has 8 bins", ShapeError);
@@ -212,7 +212,7 @@ TEST_CASE("remixing a mixed fabric changes not one bit, remixing a crushed one f
         const Fabric mixed = mixed_fabric(grid, random_pmf(30, random), mean);
         CHECK(comminute::remix(mixed) == mixed);
 
-        const Fabric loaded(grid, random_state(30, random, 1.0, 0.8).mass, 7.0, mean);
+        const Fabric loaded(grid, random_state(30, random, 1.0, 0.8).mass, {}, 7.0, mean);
         const Fabric remixed = comminute::remix(loaded);
         CHECK(!remixed.settled_at().has_value());
         CHECK(remixed.mean() == mean);
@@ -228,6 +228,6 @@ TEST_CASE("a mixed fabric is a fabric: its numbers make one again") {
     for (const double excess : {0.0, 8e-10, -8e-10}) {  // sums are accepted to 1e-9
         const Fabric mixed = mixed_fabric(grid, std::vector<double>(8, (1.0 + excess) / 8.0));
         const auto p = mixed.probability();
-        CHECK_NOTHROW(Fabric(grid, {p.data(), p.data() + 64}, mixed.settled_at(), mixed.mean()));
+        CHECK_NOTHROW(Fabric(grid, {p.data(), p.data() + 64}, {}, mixed.settled_at(), mixed.mean()));
     }
 }

@@ -67,7 +67,7 @@ TEST_CASE("one kernel may be read by several threads") {
 TEST_CASE("a fabric is copied, read and remixed on several threads") {
     std::mt19937_64 random(52);
     const LogGrid grid(-4.0, 0.2, 48);
-    const Fabric shared(grid, helpers::random_state(48, random).mass, 3.0);
+    const Fabric shared(grid, helpers::random_state(48, random).mass, {}, 3.0);
     const Fabric serial = comminute::remix(shared);
     std::vector<std::vector<Fabric>> remixed(thread_count);
     std::vector<int> same(thread_count, 0);

@@ -142,6 +142,7 @@ struct ExponentialSum {
 /// CHECK(sum.coefficient.size() <= 14);
 /// CHECK(sum.error < 1e-13);
 /// @endcode
-ExponentialSum exponential_sum(const FragmentLaw& law, double spacing, const FragmentPmf& pmf, FragmentRule rule);
+ExponentialSum exponential_sum(const FragmentLaw& law, double spacing, const FragmentPmf& pmf,
+                               FragmentRule rule);
 
 }  // namespace comminute

@@ -36,8 +36,8 @@ struct SolveReport {
 
 /// Grading after a solve, without the state.
 struct Marginal {
-    std::vector<double> grainsize;    ///< (N) mass by bin, point masses in theirs
-    std::vector<PointMass> points;    ///< what of it is still at an exact size, fine to coarse
+    std::vector<double> grainsize;  ///< (N) mass by bin, point masses in theirs
+    std::vector<PointMass> points;  ///< what of it is still at an exact size, fine to coarse
     SolveReport report;
 };
 
@@ -97,8 +97,8 @@ class QuasiStatic {
     SolveReport solve(MatrixView<const double> state, double stress_ratio, std::optional<double> settled_at,
                       MatrixView<double> out);
     /// @param grainsize  (N) mass by grainsize after it
-    SolveReport marginal(MatrixView<const double> state, double stress_ratio, std::optional<double> settled_at,
-                         VectorView<double> grainsize);
+    SolveReport marginal(MatrixView<const double> state, double stress_ratio,
+                         std::optional<double> settled_at, VectorView<double> grainsize);
 
   private:
     struct Work;
