@@ -30,8 +30,6 @@ class ActiveBand {
     }
 
   private:
-    void set_shell_by_area(Index m, double stress_ratio);
-
     LogGrid grid_;
     Material material_;
     Scheme scheme_;

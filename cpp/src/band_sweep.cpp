@@ -2,7 +2,6 @@
 #include "band_sweep.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "multiversion.hpp"
@@ -19,43 +18,92 @@ Index rounded_up(Index n) {
     return (n + pad - 1) / pad * pad;
 }
 
-// Four terms of a line's sums at once: they decay by a bin and take in what enters; with them lands what falls along
-// the line that crosses the arm.
-struct Terms {
-    std::array<double, 4> ratio;
-    std::array<double, 4> entering;  // weight of what enters
-    std::array<double, 4> crossing;  // sums of the crossing line
-    std::array<double*, 4> sums;
-    std::array<const double*, 4> power;
+// The K sums of the lines of an arm, and of the line that crosses them all.
+struct Falling {
+    const double* ratio;
+    const double* entering;  // weight of what enters
+    const double* crossing;  // sums of the crossing line
+    Index terms;
+    double* sums;  // of the first line of the arm
+    Index sum_stride;
+    const double* power;  // by which the crossing line has decayed there
+    Index power_stride;
 };
 
-COMMINUTE_MULTIVERSION void advance(const Terms& t, const double* __restrict entering,
-                                    double* __restrict arriving, Index count) {
-    double* __restrict s0 = t.sums[0];
-    double* __restrict s1 = t.sums[1];
-    double* __restrict s2 = t.sums[2];
-    double* __restrict s3 = t.sums[3];
-    const double* __restrict p0 = t.power[0];
-    const double* __restrict p1 = t.power[1];
-    const double* __restrict p2 = t.power[2];
-    const double* __restrict p3 = t.power[3];
-    const auto [q0, q1, q2, q3] = t.ratio;
-    const auto [e0, e1, e2, e3] = t.entering;
-    const auto [c0, c1, c2, c3] = t.crossing;
-    for (Index k = 0; k < count; ++k) {
-        const double x = entering[k];
-        s0[k] = s0[k] * q0 + e0 * x;
-        s1[k] = s1[k] * q1 + e1 * x;
-        s2[k] = s2[k] * q2 + e2 * x;
-        s3[k] = s3[k] * q3 + e3 * x;
-        arriving[k] +=
-            (s0[k] + c0 * p0[k]) + (s1[k] + c1 * p1[k]) + (s2[k] + c2 * p2[k]) + (s3[k] + c3 * p3[k]);
+// The sums decay by a bin and take in what enters; with them lands what falls along the crossing line. Four terms at
+// a time, so that what arrives is not loaded and stored for each.
+COMMINUTE_MULTIVERSION void advance(const Falling& f, const double* enters, double* arriving, Index count) {
+    for (Index a = 0; a < f.terms; a += 4) {
+        double* const s0 = f.sums + a * f.sum_stride;
+        double* const s1 = s0 + f.sum_stride;
+        double* const s2 = s1 + f.sum_stride;
+        double* const s3 = s2 + f.sum_stride;
+        const double* const p0 = f.power + a * f.power_stride;
+        const double* const p1 = p0 + f.power_stride;
+        const double* const p2 = p1 + f.power_stride;
+        const double* const p3 = p2 + f.power_stride;
+        const double q0 = f.ratio[a], q1 = f.ratio[a + 1], q2 = f.ratio[a + 2], q3 = f.ratio[a + 3];
+        const double e0 = f.entering[a], e1 = f.entering[a + 1], e2 = f.entering[a + 2],
+                     e3 = f.entering[a + 3];
+        const double c0 = f.crossing[a], c1 = f.crossing[a + 1], c2 = f.crossing[a + 2],
+                     c3 = f.crossing[a + 3];
+        COMMINUTE_INDEPENDENT
+        for (Index k = 0; k < count; ++k) {
+            const double x = enters[k];
+            const double n0 = s0[k] * q0 + e0 * x;
+            const double n1 = s1[k] * q1 + e1 * x;
+            const double n2 = s2[k] * q2 + e2 * x;
+            const double n3 = s3[k] * q3 + e3 * x;
+            s0[k] = n0;
+            s1[k] = n1;
+            s2[k] = n2;
+            s3[k] = n3;
+            arriving[k] += ((n0 + c0 * p0[k]) + (n1 + c1 * p1[k])) + ((n2 + c2 * p2[k]) + (n3 + c3 * p3[k]));
+        }
     }
 }
 
-COMMINUTE_MULTIVERSION void add_scaled(double factor, const double* __restrict from, double* __restrict to,
-                                       Index count) {
+double sum_of(const double* values, Index count) {
+    double even[4] = {0.0, 0.0, 0.0, 0.0};  // four sums, so that none waits for the one before
+    Index k = 0;
+    for (; k + 4 <= count; k += 4) {
+        for (Index q = 0; q < 4; ++q) even[q] += values[k + q];
+    }
+    for (; k < count; ++k) even[0] += values[k];
+    return (even[0] + even[1]) + (even[2] + even[3]);
+}
+
+COMMINUTE_MULTIVERSION void add_scaled(double factor, const double* from, double* to, Index count) {
+    COMMINUTE_INDEPENDENT
     for (Index k = 0; k < count; ++k) to[k] += factor * from[k];
+}
+
+struct Crushing {
+    const double* there;
+    const double* landed;
+    const double* settled_share;
+    const double* arrived_share;
+    double below;
+};
+
+// What moves of the cells of an arm, onto its lines and their fines.
+COMMINUTE_MULTIVERSION void push(const Crushing& c, double* onto_line, double* fines, Index count) {
+    const auto [there, landed, settled, arrived, below] = c;
+    COMMINUTE_INDEPENDENT
+    for (Index k = 0; k < count; ++k) {
+        const double moving = there[k] * settled[k] + landed[k] * arrived[k];
+        onto_line[k] = moving;
+        fines[k] += moving * below;
+    }
+}
+
+// What stays. `rest` may be where `there` is.
+COMMINUTE_MULTIVERSION void leave(const Crushing& c, double* rest, Index count) {
+    const auto [there, landed, settled, arrived, below] = c;
+    COMMINUTE_INDEPENDENT
+    for (Index k = 0; k < count; ++k) {
+        rest[k] = there[k] * (1.0 - settled[k]) + landed[k] * (1.0 - arrived[k]);
+    }
 }
 
 }  // namespace
@@ -126,19 +174,15 @@ void BandSweep::arrive_on_arm(const CrushTable& table, Lines& lines, const Lines
             const Index from = std::max(begin, first(shell));
             if (from < m) std::copy_n(pushed(lines, shell, from), m - from, entering + from);
         }
-        for (Index a = 0; a < table.terms; a += 4) {
-            Terms terms{};
-            for (std::size_t four = 0; four < 4; ++four) {
-                const Index term = a + static_cast<Index>(four);
-                const auto at = static_cast<std::size_t>(term);
-                terms.ratio[four] = table.ratio[at];
-                terms.entering[four] = table.ratio[at] * table.coefficient[at];
-                terms.crossing[four] = other.own[at];
-                terms.sums[four] = lines.sums.data() + term * stride_ + pad + m - padded;
-                terms.power[four] = table.powers_towards(term, m, m - padded);
-            }
-            advance(terms, entering + m - padded, arriving + m - padded, padded);
-        }
+        const Falling falling{table.ratio.data(),
+                              table.entering.data(),
+                              other.own.data(),
+                              table.terms,
+                              lines.sums.data() + pad + m - padded,
+                              stride_,
+                              table.powers_towards(0, m, m - padded),
+                              bins_};
+        advance(falling, entering + m - padded, arriving + m - padded, padded);
     }
     for (Index shell = m + 1; shell <= std::min(m + table.head, bins_ - 1); ++shell) {
         const Index from = std::max(begin, first(shell));
@@ -167,15 +211,15 @@ double BandSweep::landed_in_fines(const CrushTable& table, const Lines& lines, c
 void BandSweep::set_shares(const ActiveBand& before, const ActiveBand& after, Index m) {
     double* settled = settled_share_.data() + pad;
     double* arrived = arrived_share_.data() + pad;
-    const Index last = std::min(after.last(m), m);
+    const Index last = after.last(m);
     std::fill(arrived + first(m), arrived + m - last, 0.0);
-    std::fill(settled + first(m), settled + m - last, 0.0);
-    for (Index d = last; d >= 0; --d) {
-        const double share = after.share(m, d);
+    for (Index d = last; d >= after.full(m); --d) arrived[m - d] = after.share(m, d);
+    std::fill(arrived + m + 1 - after.full(m), arrived + m + 1, 1.0);
+    std::copy(arrived + first(m), arrived + m + 1, settled + first(m));
+    // Mass that has settled fills the part of its cell outside the old zone.
+    for (Index d = before.last(m); d >= 0; --d) {
         const double was = before.share(m, d);
-        arrived[m - d] = share;
-        // Mass that has settled fills the part of its cell outside the old zone.
-        settled[m - d] = was < 1.0 ? (share - was) / (1.0 - was) : 0.0;
+        settled[m - d] = was < 1.0 ? (arrived[m - d] - was) / (1.0 - was) : 0.0;
     }
 }
 
@@ -195,38 +239,30 @@ double BandSweep::crush_diagonal(const CrushTable& table, Index m, double there,
 // Moves the active part of an arm onto its lines; the total that moved.
 double BandSweep::crush_arm(const CrushTable& table, Lines& lines, Index m, const double* there,
                             double* rest) {
-    const double* settled = settled_share_.data() + pad;
-    const double* arrived = arrived_share_.data() + pad;
-    const double* landed = arriving_.data() + pad;
-    double* onto_line = pushed(lines, m, first(m));
-    double* fines = lines.fines.data();
-    const double below = table.below[static_cast<std::size_t>(m)];
-    double sum = 0.0;
-    for (Index j = first(m); j < m; ++j) {
-        const double moving = there[j] * settled[j] + landed[j] * arrived[j];
-        onto_line[j - first(m)] = moving;
-        fines[j] += moving * below;
-        sum += moving;
-    }
-    if (rest == nullptr) return sum;
-    for (Index j = first(m); j < m; ++j) {
-        rest[j] = there[j] * (1.0 - settled[j]) + landed[j] * (1.0 - arrived[j]);
-    }
-    return sum;
+    const Index begin = first(m);
+    const Index count = m - begin;
+    const Index at = pad + begin;
+    const Crushing crushing{there + begin, arriving_.data() + at, settled_share_.data() + at,
+                            arrived_share_.data() + at, table.below[static_cast<std::size_t>(m)]};
+    double* onto_line = pushed(lines, m, begin);
+    push(crushing, onto_line, lines.fines.data() + begin, count);
+    if (rest != nullptr) leave(crushing, rest + begin, count);
+    return sum_of(onto_line, count);
 }
 
 // Keeps what the far field needs of line m.
 void BandSweep::hand_on(const CrushTable& table, Lines& lines, Index m) const {
+    double* far = lines.far.data() + m * table.terms;
     for (Index a = 0; a < table.terms; ++a) {
-        const auto at = static_cast<std::size_t>(a);
-        const double* power = table.powers(a);
-        double far = lines.own[at] * power[table.head];
-        for (Index shell = m; shell <= std::min(m + table.head, bins_ - 1) && first(shell) <= m; ++shell) {
-            far += table.coefficient[at] * *pushed(lines, shell, m) * power[shell - m];
-        }
-        lines.far[static_cast<std::size_t>(a * bins_ + m)] = far;
-        if (table.head > 0) lines.near[static_cast<std::size_t>(a * bins_ + m)] = lines.own[at];
+        far[a] = lines.own[static_cast<std::size_t>(a)] * table.powers(a)[table.head];
     }
+    for (Index shell = m; shell <= std::min(m + table.head, bins_ - 1) && first(shell) <= m; ++shell) {
+        const double mass = *pushed(lines, shell, m);
+        for (Index a = 0; a < table.terms; ++a) {
+            far[a] += table.coefficient[static_cast<std::size_t>(a)] * mass * table.powers(a)[shell - m];
+        }
+    }
+    if (table.head > 0) std::copy(lines.own.begin(), lines.own.end(), lines.near.begin() + m * table.terms);
 }
 
 // Sums decay for as long as the zone is wide; denormal numbers would take a hundred times as long to add.

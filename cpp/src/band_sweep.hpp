@@ -50,8 +50,8 @@ class BandSweep {
         std::vector<double> own;     // (K) those of the line whose shell has its turn
         std::vector<double> pushed;  // (shells kept, width) mass pushed onto a line from a shell
         std::vector<double> fines;   // (N) what falls below the grid
-        std::vector<double> near;    // (K, N) the sums of each line at its own shell
-        std::vector<double> far;     // (K, N) the same with the head, for places beyond it
+        std::vector<double> near;    // (N, K) the sums of each line at its own shell
+        std::vector<double> far;     // (N, K) the same with the head, for places beyond it
     };
 
     void prepare(const CrushTable& table, const ActiveBand& after, bool whole_state);
@@ -65,9 +65,15 @@ class BandSweep {
     void flush(const CrushTable& table, Lines& lines, Index m) const;
     void take_columns(MatrixView<const double> state, Index begin, Index end);
     void give_columns(MatrixView<double> out, Index begin, Index end) const;
-    void land_left(const CrushTable& table, Index i, double* row) const;
-    void land_right(const CrushTable& table, Index i, Index begin, double* row) const;
-    void scale_far_sums(const CrushTable& table);
+    void near_left(const CrushTable& table, Index i, double* row) const;
+    void near_right(const CrushTable& table, Index i, double* row) const;
+    void turn_far_sums(const CrushTable& table);
+    void far_left(const CrushTable& table, Index begin_row, Index end_row, Index begin, Index end,
+                  MatrixView<double> out);
+    void far_right(const CrushTable& table, Index begin_row, Index end_row, Index begin, Index end,
+                   MatrixView<double> out);
+    Index left_end(const CrushTable& table, Index i) const;
+    Index right_begin(const CrushTable& table, Index i) const;
 
     Index first(Index m) const { return first_[static_cast<std::size_t>(m)]; }
     /// Mass pushed from a shell onto a line, and on to the next line.
@@ -94,10 +100,11 @@ class BandSweep {
     std::vector<double> entering_;
     std::vector<double> settled_share_;
     std::vector<double> arrived_share_;
-    std::vector<double> block_;  // a few columns of the state, each in one piece
-    std::vector<double>
-        scaled_;  // (K, N) far sums of the columns, as seen from the first column of their block
-    std::vector<double> largest_;  // (K) of a term and the later ones, as a share of the first, in any column
+    std::vector<double> block_;    // a few columns of the state, each in one piece
+    std::vector<Index> right_;     // (N) the first column above the band in each row
+    std::vector<double> factors_;  // (K, 4) of the rows at hand
+    std::vector<double> by_term_;  // (K, N) far sums of the columns
+    std::vector<double> scaled_;   // (K, N) the same as seen from the first column of their block
 };
 
 }  // namespace comminute

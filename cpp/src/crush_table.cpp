@@ -2,11 +2,13 @@
 #include "crush_table.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace comminute {
 namespace {
 
 constexpr double nearly_denormal = 1e-290;
+constexpr double rounding = 1e-17;
 
 }  // namespace
 
@@ -21,9 +23,11 @@ CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum) {
     table.head = terms > 0 ? sum.head : table.bins - 1;
     table.coefficient.assign(terms, 0.0);
     table.ratio.assign(terms, 0.0);
+    table.entering.assign(terms, 0.0);
     for (std::size_t a = 0; a < sum.coefficient.size(); ++a) {
         table.coefficient[a] = sum.coefficient[a] / leaves;
         table.ratio[a] = sum.ratio[a];
+        table.entering[a] = table.ratio[a] * table.coefficient[a];
     }
 
     table.power.assign(terms * bins, 0.0);
@@ -35,6 +39,18 @@ CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum) {
             table.power_upwards[static_cast<std::size_t>(lead) + (a + 1) * bins - 1 - m] = power;
             power *= table.ratio[a];
         }
+    }
+
+    // Whatever masses a line holds, a term's share of its sum is at most that of one mass alone at the same place.
+    table.terms_from.assign(bins, table.terms);
+    for (std::size_t m = 0; m < bins && terms > 0; ++m) {
+        const double slowest = std::abs(table.coefficient[0]) * table.power[m];
+        std::size_t left = terms;
+        while (left > 4 && std::abs(table.coefficient[left - 1]) * table.power[(left - 1) * bins + m] <=
+                               rounding * slowest) {
+            --left;
+        }
+        table.terms_from[m] = static_cast<Index>((left + 3) / 4 * 4);
     }
 
     table.mass.assign(bins, 0.0);

@@ -19,6 +19,8 @@ struct CrushTable {
     std::vector<double> below;          ///< (N) from bin m: share that lands in the fines bin
     std::vector<double> coefficient;    ///< (K)
     std::vector<double> ratio;          ///< (K)
+    std::vector<double> entering;       ///< (K) ratio * coefficient
+    std::vector<Index> terms_from;      ///< (N) how many terms, a multiple of 4, count m bins beyond the head
     std::vector<double> power;          ///< (K, N) ratio^m, 0 where it would be denormal
     std::vector<double> power_upwards;  ///< the same at lead + N - 1 - m
     static constexpr Index lead = 4;    ///< entries before it, so that a loop may begin below bin 0

@@ -31,13 +31,8 @@ bool equal_sizes(double a, double b) {
 }  // namespace
 
 PointSweep::PointSweep(const LogGrid& grid, const Material& material, const FragmentPmf& fragments,
-                       double rate, double settled_at, double stress_ratio)
-    : grid_(grid),
-      material_(material),
-      fragments_(fragments),
-      rate_(rate),
-      before_(grid, material, settled_at),
-      after_(grid, material, stress_ratio) {}
+                       double rate)
+    : grid_(grid), material_(material), fragments_(fragments), rate_(rate) {}
 
 // Probability that a fragment of an exact size ends below psi.
 double PointSweep::finer(double psi, double than_fragment_of) const {
@@ -155,8 +150,8 @@ void PointSweep::crush_line(const Place& place, Line& ridge) {
         Parts& settled = ridge.settled[static_cast<std::size_t>(j)];
         const Parts arrived = ridge.arrived[static_cast<std::size_t>(j)];
         if (settled.below + settled.above + arrived.below + arrived.above == 0.0) continue;
-        const Parts was = active(before_, at, j);
-        Parts share = active(after_, at, j);
+        const Parts was = active(*before_, at, j);
+        Parts share = active(*after_, at, j);
         share = {std::max(share.below, was.below), std::max(share.above, was.above)};
         const Parts fresh{newly(was.below, share.below), newly(was.above, share.above)};
         const double above = settled.above * fresh.above + arrived.above * share.above;
@@ -182,7 +177,9 @@ void PointSweep::crush_line(const Place& place, Line& ridge) {
     }
 }
 
-void PointSweep::run(const Fabric& state) {
+void PointSweep::run(const Fabric& state, double stress_ratio) {
+    before_.emplace(grid_, material_, state.settled_at().value_or(0.0));
+    after_.emplace(grid_, material_, stress_ratio);
     for (const Ridge& ridge : state.ridges()) {
         Line& onto = line(ridge.exact, ridge.at);
         const Index own = grid_.bin_of(ridge.at);
@@ -195,7 +192,7 @@ void PointSweep::run(const Fabric& state) {
         }
     }
     for (const Atom& atom : state.atoms()) {
-        if (after_.active(atom.psi, atom.psibar)) {
+        if (after_->active(atom.psi, atom.psibar)) {
             crush_atom(atom);
         } else {
             atoms_.push_back(atom);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,11 +16,10 @@ namespace comminute {
 /// fragments and the bins of its partner make an outer product. Blend of Eq. 67: (1 - rate) slow + rate fast.
 class PointSweep {
   public:
-    /// @param settled_at  load under which the state is at rest; 0 for none
-    PointSweep(const LogGrid& grid, const Material& material, const FragmentPmf& fragments, double rate,
-               double settled_at, double stress_ratio);
+    PointSweep(const LogGrid& grid, const Material& material, const FragmentPmf& fragments, double rate);
 
-    void run(const Fabric& state);
+    /// From the load under which the state is at rest to a larger one.
+    void run(const Fabric& state, double stress_ratio);
 
     const std::vector<Atom>& atoms() const { return atoms_; }
     std::vector<Ridge> ridges() const;
@@ -54,8 +54,8 @@ class PointSweep {
     Material material_;
     const FragmentPmf& fragments_;
     double rate_;
-    CrushZones before_;
-    CrushZones after_;
+    std::optional<CrushZones> before_;
+    std::optional<CrushZones> after_;
     std::vector<Atom> atoms_;
     std::map<Place, Line> lines_;
     std::map<Place, std::vector<double>>

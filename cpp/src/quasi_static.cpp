@@ -156,8 +156,10 @@ struct QuasiStatic::Work {
     FabricAccess::Data settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
                               SolveReport& report) {
         set_loads(state.settled_at(), stress_ratio);
-        PointSweep points(grid, material, fragments, rate, state.settled_at().value_or(0.0), stress_ratio);
-        points.run(state);
+        PointSweep points(grid, material, fragments, rate);
+        if (!state.atoms().empty() || !state.ridges().empty()) {
+            points.run(state, stress_ratio);
+        }
         std::vector<double> rows = FabricAccess::rows(state);
         report = settle(state.probability(), points.arrivals(), rows, out);
         report.crushed += points.crushed();
