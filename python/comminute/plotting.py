@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.collections import LineCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from comminute._core import CrushZones, Fabric, Material
+from comminute.results import grading_curve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +22,7 @@ LOAD_COLOURS = mpl.colormaps["viridis"]
 ZONE_COLOUR = "#d62728"
 MARGINAL_COLOUR = "#33638d"
 POINT_COLOUR = "#222222"
+RIDGE_COLOUR = "#e69f00"
 POINT_MASS = 0.01
 
 
@@ -54,12 +57,13 @@ def plot_gradings(result: Result, ax: Axes | None = None) -> Axes:
     matplotlib Axes
     """
     ax = _new_axes() if ax is None else ax
-    sizes = result.edge_size
-    ax.plot(sizes, 100 * result.start.cdf(), "k--", lw=1.2, label="start", zorder=3)
+    sizes, finer = grading_curve(result.start.grid, result.start.cdf(), result.start.points)
+    ax.plot(sizes, 100 * finer, "k--", lw=1.2, label="start", zorder=3)
     count = result.stress_ratio.size
     for k, load in enumerate(result.stress_ratio):
         colour = LOAD_COLOURS(0.92 * (1 - k / max(count - 1, 1)))
-        ax.plot(sizes, 100 * result.cdf[k], color=colour, lw=1.4, label=f"{load:g}")
+        sizes, finer = result.curve(k)
+        ax.plot(sizes, 100 * finer, color=colour, lw=1.4, label=f"{load:g}")
     low, high = _visible_range(result.pmf[-1], result.grid.edges, 1e-3)
     ax.set(
         xscale="log",
@@ -105,7 +109,8 @@ def plot_fabric(
     grid = fabric.grid
     density = fabric.probability / grid.spacing**2
     low, high = _visible_range(fabric.grainsize(), grid.edges, 1e-3)
-    top = float(np.quantile(density[density > 0.0], 0.999))  # the few cells of point masses apart
+    spread = density[density > 0.0]
+    top = float(np.quantile(spread, 0.999)) if spread.size else 1.0  # the few cells of point masses apart
     image = ax.pcolormesh(
         grid.edges,
         grid.edges,
@@ -114,10 +119,13 @@ def plot_fabric(
         cmap="Blues",
         rasterized=True,
     )
+    _draw_ridges(ax, fabric)
     _mark_point_masses(ax, fabric)
     load = fabric.settled_at if stress_ratio is None else stress_ratio
     if material is not None and load is not None:
         _draw_zone(ax, fabric, material, load)
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(fontsize="small", loc="lower right", framealpha=0.85)
     ax.set(
         xlim=(low, high),
         ylim=(low, high),
@@ -132,13 +140,33 @@ def plot_fabric(
 
 
 def _mark_point_masses(ax: Axes, fabric: Fabric) -> None:
-    """Circle the cells that hold more than a share of the mass by themselves, area as mass."""
-    i, j = np.nonzero(fabric.probability > POINT_MASS)
-    if i.size == 0:
+    """Circle the atoms, and cells that hold more than a share of the mass by themselves; area as mass."""
+    centres = fabric.grid.centres
+    heavy = [
+        (centres[i], centres[j], fabric.probability[i, j])
+        for i, j in zip(*np.nonzero(fabric.probability > POINT_MASS), strict=True)
+    ]
+    points = np.array([*heavy, *(tuple(atom) for atom in fabric.atoms)]).reshape(-1, 3)
+    if len(points) == 0:
         return
-    psi = fabric.grid.centres
-    area = 300.0 * fabric.probability[i, j]
-    ax.scatter(psi[i], psi[j], s=area, facecolors="none", edgecolors=POINT_COLOUR, lw=1.2, label="point mass")
+    psi, psibar, mass = points.T
+    ax.scatter(psi, psibar, s=300.0 * mass, facecolors="none", edgecolors=POINT_COLOUR, lw=1.2, label="point mass")
+
+
+def _draw_ridges(ax: Axes, fabric: Fabric) -> None:
+    """Mass with one of its sizes exact, as lines whose strength goes with the mass along them."""
+    edges = fabric.grid.edges
+    strongest = max((float(ridge.mass.max()) for ridge in fabric.ridges), default=0.0)
+    if strongest == 0.0:
+        return
+    for ridge in fabric.ridges:
+        along = np.column_stack([edges[:-1], edges[1:]])
+        across = np.full_like(along, ridge.at)
+        pair = (across, along) if ridge.exact == "grain" else (along, across)
+        faintness = np.clip(1.0 + 0.3 * np.log10(np.maximum(ridge.mass, 1e-300) / strongest), 0.0, 1.0)
+        lines = LineCollection(list(np.stack(pair, axis=-1)), colors=RIDGE_COLOUR, alpha=faintness, lw=1.6)
+        ax.add_collection(lines, autolim=False)
+    ax.plot([], [], color=RIDGE_COLOUR, lw=1.6, label="one size exact")
 
 
 def _draw_zone(ax: Axes, fabric: Fabric, material: Material, stress_ratio: float) -> None:
@@ -150,7 +178,6 @@ def _draw_zone(ax: Axes, fabric: Fabric, material: Material, stress_ratio: float
     larger, smaller = psi[inside], (psi - width)[inside]
     ax.plot(larger, smaller, color=ZONE_COLOUR, lw=1.0, label=f"crush zone at {stress_ratio:g}")
     ax.plot(smaller, larger, color=ZONE_COLOUR, lw=1.0)
-    ax.legend(fontsize="small", loc="lower right", framealpha=0.85)
 
 
 def _draw_marginals(ax: Axes, fabric: Fabric) -> None:
@@ -191,11 +218,8 @@ def plot_result(result: Result, load: int = -1) -> Figure:
     figure = Figure(figsize=(10.0, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
     plot_gradings(result, left)
-    plot_fabric(
-        result.fabric(load),
-        right,
-        material=result.material,
-        stress_ratio=float(result.stress_ratio[: load + 1 or None].max()),
-        unit=result.unit,
-    )
+    fabric = result.fabric(load)
+    at_rest_under = fabric.settled_at
+    stress_ratio = float(result.stress_ratio[load]) if at_rest_under is None else at_rest_under
+    plot_fabric(fabric, right, material=result.material, stress_ratio=stress_ratio, unit=result.unit)
     return figure

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,6 +33,40 @@ Floats = npt.NDArray[np.float64]
 def needs(extra: str, library: str, wanted_for: str) -> ImportError:
     """Exception for an optional library that is missing: what for, and how to get it."""
     return ImportError(f"{wanted_for} needs {library}; install it with: pip install 'comminute[{extra}]'")
+
+
+def grading_curve(grid: LogGrid, cdf: Floats, points: Sequence[PointMass]) -> tuple[Floats, Floats]:
+    """Sizes and mass fractions finer to draw a line through, with the jumps of exact sizes inside their bins.
+
+    Parameters
+    ----------
+    grid : LogGrid
+    cdf : ndarray (N,)
+        Fraction finer than the upper edge of each bin, exact sizes among them.
+    points : sequence of PointMass
+        Those sizes, fine to coarse.
+
+    Returns
+    -------
+    (ndarray (N + 2 P,), ndarray (N + 2 P,))
+        Sizes, never falling, and fractions finer: the upper edges of the bins, and every exact size twice,
+        without its own mass and with it.
+    """
+    upper = grid.edges[1:]
+    exact = np.array([point.psi for point in points])
+    mass = np.array([point.mass for point in points])
+    owner = np.array([grid.bin_of(psi) for psi in exact], dtype=np.intp)
+    spread = np.diff(cdf, prepend=0.0)
+    np.subtract.at(spread, owner, mass)
+    smooth = np.cumsum(spread)
+    # below an exact size: the bins under its own, the part of its own that is finer, and the finer exact sizes
+    fraction = (exact - grid.edges[owner]) / grid.spacing
+    spread_below = smooth[owner] - (1.0 - fraction) * spread[owner]
+    after = spread_below + np.cumsum(mass)
+    psi = np.concatenate([upper, exact, exact])
+    finer = np.concatenate([cdf, after - mass, after])
+    order = np.lexsort((finer, psi))
+    return np.exp(psi[order]), finer[order]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -123,6 +158,29 @@ class Result:
     def fines(self) -> Floats:
         """(T,) share of the mass in the fines bin."""
         return self.pmf[:, 0]
+
+    def curve(self, k: int) -> tuple[Floats, Floats]:
+        """Grading curve after load k, to draw a line through, with its jumps where sizes are exact.
+
+        Parameters
+        ----------
+        k : int
+
+        Returns
+        -------
+        (ndarray, ndarray)
+            Sizes and mass fractions finer. Without exact sizes these are `edge_size` and `cdf[k]`.
+
+        Examples
+        --------
+        >>> import comminute as cm
+        >>> result = cm.Simulation(cm.Material(), cm.monodisperse(1.0)).run(stress_ratio=1.0)
+        >>> size, finer = result.curve(0)
+        >>> without, including = finer[size == 1.0]
+        >>> float((including - without).round(12))
+        0.5
+        """
+        return grading_curve(self.grid, self.cdf[k], self.points[k] if self.points else ())
 
     def percentile(self, percent: float, *, extrapolate: bool = False) -> Floats:
         """Size D_x after each load, such that `percent` of the mass is finer; see `comminute.percentile`.
