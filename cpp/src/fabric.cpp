@@ -63,6 +63,7 @@ double checked_total(const LogGrid& grid, const std::vector<Ridge>& ridges) {
 
 std::vector<PointMass> exact_sizes(const std::vector<Atom>& atoms, const std::vector<Ridge>& ridges) {
     std::vector<PointMass> sizes;
+    sizes.reserve(atoms.size() + ridges.size());
     for (const Atom& atom : atoms) sizes.push_back({atom.psi, atom.mass});
     for (const Ridge& ridge : ridges) {
         if (ridge.exact != Axis::grain) continue;

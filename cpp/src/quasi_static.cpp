@@ -224,7 +224,7 @@ SolvePath QuasiStatic::path() const {
 
 Fabric QuasiStatic::solve(const Fabric& given, double stress_ratio, SolveReport* report) {
     require_stress_ratio(stress_ratio);
-    const Fabric state = work_->known(given);
+    Fabric state = work_->known(given);
     SolveReport own;
     SolveReport& said = report != nullptr ? *report : own;
     said = {};
