@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <tuple>
+#include <typeinfo>
 
 #include "check.hpp"
 #include "random.hpp"
@@ -230,10 +232,6 @@ std::vector<std::vector<double>> LatticeState::grainsizes(const LogGrid& grid) c
     return pmf;
 }
 
-LatticeEstimate LatticeState::grainsize(const LogGrid& grid) const {
-    return estimate(grainsizes(grid));
-}
-
 LatticeEstimate LatticeState::cdf(const LogGrid& grid) const {
     auto pmf = grainsizes(grid);
     for (auto& row : pmf) std::partial_sum(row.begin(), row.end(), row.begin());
@@ -256,6 +254,17 @@ Fabric LatticeState::fabric(const LogGrid& grid) const {
     const double share = 1.0 / (static_cast<double>(cells()) * static_cast<double>(replicas()));
     for (double& mass : p) mass *= share;
     return {grid, std::move(p), settled_at(), options_.mean};
+}
+
+bool operator==(const LatticeState& a, const LatticeState& b) {
+    const auto known = [](const LatticeRing& r) {
+        return std::tie(r.cells, r.crushes, r.stream, r.remixes, r.passes, r.loaded_to, r.at_rest, r.stepped_to,
+                        r.avalanches, r.avalanches_in_order);
+    };
+    return typeid(a) == typeid(b) && a.material_ == b.material_ && a.options_.seed == b.options_.seed &&
+           a.options_.mean == b.options_.mean && a.options_.record_avalanches == b.options_.record_avalanches &&
+           std::equal(a.rings_.begin(), a.rings_.end(), b.rings_.begin(), b.rings_.end(),
+                      [&](const LatticeRing& x, const LatticeRing& y) { return known(x) == known(y); });
 }
 
 Lattice::Lattice(Index cells, const Material& material, const Grading& grading, const LatticeOptions& options)

@@ -72,4 +72,5 @@ PYBIND11_MODULE(_core, m) {
     register_fabric(m);
     register_grading(m);
     register_engines(m);
+    register_lattice(m);
 }

@@ -54,15 +54,19 @@ from comminute._core import (
     stress_ratio_at,
     uniform_size,
 )
+from comminute.lattice import Comparison, Lattice, LatticeResult, TimeSteppedLattice, compare
 from comminute.results import Result
 from comminute.simulation import Interrupted, ResolutionWarning, Simulation
 
 __all__ = [
+    "Comparison",
     "CrushZones",
     "Fabric",
     "FullConvolution",
     "Grading",
     "Interrupted",
+    "Lattice",
+    "LatticeResult",
     "LogGrid",
     "LogNormalFragments",
     "Material",
@@ -75,12 +79,14 @@ __all__ = [
     "SlowUpdate",
     "StepReport",
     "TabulatedFragments",
+    "TimeSteppedLattice",
     "UnavailableError",
     "WeibullFragments",
     "Zone",
     "__version__",
     "active_share",
     "cell_kernel",
+    "compare",
     "critical_stress_ratio",
     "crush_zones",
     "fitting_grid",

@@ -32,6 +32,7 @@ struct LatticeOptions {
 struct LatticeCell {
     double psi;   ///< ln(size / reference size)
     double size;  ///< exp(psi), so that the mean of two neighbours needs no exponential
+    friend bool operator==(const LatticeCell& a, const LatticeCell& b) { return a.psi == b.psi && a.size == b.size; }
 };
 
 /// Crushes at one value of the load: what a single raise of the load sets off, before it has to rise again.
@@ -101,16 +102,19 @@ class LatticeState {
     /// (replicas) crushes per cell since the start.
     std::vector<double> mean_crushes() const;
 
-    /// Mass by bin, mean over replicas. What is finer than the grid goes to the fines bin.
+    /// (replicas, N) mass by bin. What is finer than the grid goes to the fines bin.
     /// @throws ParameterError if a cell is larger than the grid's last edge
-    LatticeEstimate grainsize(const LogGrid& grid) const;
-    /// Mass fraction finer than the upper edge of each bin, mean over replicas. @throws as grainsize()
+    std::vector<std::vector<double>> grainsizes(const LogGrid& grid) const;
+    /// Mass fraction finer than the upper edge of each bin, mean over replicas. @throws as grainsizes()
     LatticeEstimate cdf(const LogGrid& grid) const;
-    /// Joint histogram of psi and psibar over all replicas on the continuum's own grid. @throws as grainsize()
+    /// Joint histogram of psi and psibar over all replicas on the continuum's own grid. @throws as grainsizes()
     Fabric fabric(const LogGrid& grid) const;
 
     /// Everything that the future depends on, for storage; the constructors take it back.
     const std::vector<LatticeRing>& rings() const { return rings_; }
+
+    /// Equal state and equal future; the number of threads does not count.
+    friend bool operator==(const LatticeState& a, const LatticeState& b);
 
   protected:
     LatticeState(Index cells, const Material& material, const Grading& grading, const LatticeOptions& options);
@@ -131,8 +135,6 @@ class LatticeState {
                        const std::function<bool()>& go_on);
 
   private:
-    std::vector<std::vector<double>> grainsizes(const LogGrid& grid) const;
-
     Material material_;
     LatticeOptions options_;
     std::vector<LatticeRing> rings_;
