@@ -34,7 +34,7 @@ class LoadLimit {
     /// @param largest_psi  no cell of the ring is larger
     LoadLimit(const Material& material, Mean mean, double largest_psi, double log_load,
               std::uint64_t tie_key = std::numeric_limits<std::uint64_t>::max())
-        : mean_(mean), strength_(3.0 / material.weibull_modulus), inverse_width_(1.0 / material.fabric_width),
+        : mean_(mean), strength_(3.0 / material.weibull_modulus), width_(material.fabric_width),
           largest_psi_(largest_psi), tie_key_(tie_key) {
         set(log_load, tie_key);
     }
@@ -45,7 +45,7 @@ class LoadLimit {
         // Beyond this difference of log sizes the largest cell does not crush, and smaller ones even less. The
         // margin leaves the decision about doubtful cells to the full test.
         const double cushion = std::max(log_load_ + strength_ * largest_psi_, 0.0);
-        const double reach = std::sqrt(2.0 * cushion) / inverse_width_ * (1.0 + 1e-9) + 1e-9;
+        const double reach = width_ * std::sqrt(2.0 * cushion) * (1.0 + 1e-9) + 1e-9;
         grow_ = std::exp(reach);
         shrink_ = std::exp(-reach);
     }
@@ -61,7 +61,7 @@ class LoadLimit {
         critical = -strength_ * cell.psi;
         if (critical > log_load_) return Look::barrier;
         double contrast = 0.0;
-        if (inverse_width_ > 0.0) {
+        if (width_ < std::numeric_limits<double>::infinity()) {
             // Neighbours only get smaller. So a cell among smaller ones only gets stronger, and one among larger
             // ones is at best as weak as among equals.
             if (mean_ == Mean::arithmetic) {
@@ -70,7 +70,7 @@ class LoadLimit {
                 if (size > cell.size * grow_) return Look::dormant;
             }
             contrast = cell.psi - neighbourhood(left, right, mean_);
-            const double scaled = contrast * inverse_width_;
+            const double scaled = contrast / width_;
             critical += 0.5 * scaled * scaled;
         }
         if (critical < log_load_ || (critical == log_load_ && tie_key() <= tie_key_)) return Look::active;
@@ -80,7 +80,7 @@ class LoadLimit {
   private:
     Mean mean_;
     double strength_;
-    double inverse_width_;
+    double width_;
     double largest_psi_;
     double log_load_ = 0.0;
     std::uint64_t tie_key_;

@@ -89,10 +89,10 @@ FragmentSampler::FragmentSampler(const FragmentLaw& law) : law_(law) {
         kind_ = Kind::weibull;
         rate_ = std::pow(weibull->scale, -weibull->shape);
         scale_ = std::expm1(-rate_);
-        inverse_shape_ = 1.0 / weibull->shape;
+        shape_ = weibull->shape;
     } else if (const auto* power = std::get_if<PowerLawFragments>(&law)) {
         kind_ = Kind::power;
-        inverse_shape_ = 1.0 / power->exponent;
+        shape_ = power->exponent;
     }
 }
 

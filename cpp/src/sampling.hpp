@@ -16,8 +16,8 @@ class FragmentSampler {
 
     /// R with P[ln X <= R] = p, p in (0, 1); never above 0.
     double operator()(double p) const {
-        if (kind_ == Kind::weibull) return std::min(std::log(-std::log1p(p * scale_) / rate_) * inverse_shape_, 0.0);
-        if (kind_ == Kind::power) return std::log(p) * inverse_shape_;
+        if (kind_ == Kind::weibull) return std::min(std::log(-std::log1p(p * scale_) / rate_) / shape_, 0.0);
+        if (kind_ == Kind::power) return std::log(p) / shape_;
         return general(p);
     }
 
@@ -29,7 +29,7 @@ class FragmentSampler {
     Kind kind_ = Kind::other;
     double scale_ = 0.0;         // Weibull: e^{-Lambda} - 1
     double rate_ = 0.0;   // Weibull: Lambda
-    double inverse_shape_ = 0.0;
+    double shape_ = 1.0;  // Weibull's, or the power law's exponent
 };
 
 /// Size that a share p in (0, 1) of the mass is finer than: the inverse of Grading::finer, exact on point masses.
