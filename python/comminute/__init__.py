@@ -57,6 +57,7 @@ from comminute._core import (
 from comminute.lattice import Comparison, Lattice, LatticeResult, TimeSteppedLattice, compare
 from comminute.results import Result
 from comminute.simulation import Interrupted, ResolutionWarning, Simulation
+from comminute.small_ring import SmallRing
 
 __all__ = [
     "Comparison",
@@ -77,6 +78,7 @@ __all__ = [
     "ShapeError",
     "Simulation",
     "SlowUpdate",
+    "SmallRing",
     "StepReport",
     "TabulatedFragments",
     "TimeSteppedLattice",
