@@ -154,19 +154,26 @@ std::uint64_t LatticeState::total_crushes() const {
 std::uint64_t LatticeState::load_to(double stress_ratio, const std::function<bool()>& go_on) {
     require_load(stress_ratio);
     const auto before = total_crushes();
-    for_each_ring(
-        [&](LatticeRing& ring, const std::function<bool()>& ask) {
-            if (!ring.at_rest) {
-                if (!load_ring(ring, *ring.loaded_to, ask)) return;
-                ring.at_rest = true;
-            }
-            if (ring.loaded_to && stress_ratio <= *ring.loaded_to) return;
+    if (come_to_rest(go_on)) {
+        for (auto& ring : rings_) {
+            if (ring.loaded_to && stress_ratio <= *ring.loaded_to) continue;
             ring.loaded_to = stress_ratio;
             ring.at_rest = false;
-            ring.at_rest = load_ring(ring, stress_ratio, ask);
+        }
+        come_to_rest(go_on);
+    }
+    return total_crushes() - before;
+}
+
+bool LatticeState::come_to_rest(const std::function<bool()>& go_on) {
+    const auto at_rest = [](const LatticeRing& ring) { return ring.at_rest; };
+    if (std::all_of(rings_.begin(), rings_.end(), at_rest)) return true;
+    for_each_ring(
+        [&](LatticeRing& ring, const std::function<bool()>& ask) {
+            if (!ring.at_rest) ring.at_rest = load_ring(ring, *ring.loaded_to, ask);
         },
         go_on);
-    return total_crushes() - before;
+    return std::all_of(rings_.begin(), rings_.end(), at_rest);
 }
 
 std::optional<double> LatticeState::settled_at() const {

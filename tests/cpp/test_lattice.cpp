@@ -190,8 +190,8 @@ TEST_CASE("an interrupted load is finished by the next one, and ends as if undis
                 Lattice lattice(200'000, Material{}, start, with(2, threads, 9));
                 int asked = 0;
                 lattice.load_to(1000.0, [&] { return asked++ < patience; });
-                if (threads == 1) CHECK(asked == patience + 1);
-                if (threads == 1) CHECK_FALSE(lattice.settled_at().has_value());
+                // with more threads the answer may come when all has been done
+                if (threads == 1) CHECK(lattice.settled_at().has_value() == (asked <= patience));
                 lattice.load_to(0.0);
                 CHECK(lattice == undisturbed);
             }
@@ -367,9 +367,11 @@ TEST_CASE("one pass of probability 1 crushes equal sizes whole") {
     TimeSteppedLattice lattice(1000, Material{}, comminute::monodisperse(1.0), {1.0, 1.01}, with(2, 2));
     CHECK(lattice.pass(0.99) == 0);
     CHECK(lattice.pass(1.0) == 2000);
-    CHECK(lattice.settled_at() == std::nullopt);
-    lattice.load_to(1.0);
     CHECK(lattice.settled_at() == 1.0);
+    lattice.pass(1e6);
+    CHECK_FALSE(lattice.settled_at().has_value());
+    lattice.load_to(1.0);
+    CHECK(lattice.settled_at() == 1e6);
 }
 
 TEST_CASE("messages of the lattice: value, rule, remedy") {

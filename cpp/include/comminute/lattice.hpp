@@ -135,6 +135,8 @@ class LatticeState {
                        const std::function<bool()>& go_on);
 
   private:
+    bool come_to_rest(const std::function<bool()>& go_on);
+
     Material material_;
     LatticeOptions options_;
     std::vector<LatticeRing> rings_;
@@ -170,10 +172,12 @@ class Lattice : public LatticeState {
     bool load_ring(LatticeRing& ring, double stress_ratio, const std::function<bool()>& go_on) const override;
 };
 
-/// How a time-stepped lattice raises its load. The defaults are within a few tenths of a per cent of no steps at all.
+/// How a time-stepped lattice raises its load. With the defaults its grading curve is about 0.02 off the quasi-static
+/// one for equal sizes, a few thousandths otherwise (stress ratio 8).
 ///
 /// @code{.cpp}
-/// comminute::TimeStepping careful{0.02, 1.001};
+/// comminute::TimeSteppedLattice lattice(1000, {}, comminute::monodisperse(1.0), {0.02, 1.001});
+/// CHECK(lattice.stepping().load_factor == 1.001);
 /// @endcode
 struct TimeStepping {
     double crush_probability = 0.1;  ///< of an active cell in one pass, in (0, 1]
