@@ -8,6 +8,7 @@
 #include <string>
 #include <tuple>
 #include <typeinfo>
+#include <utility>
 
 #include "check.hpp"
 #include "random.hpp"
@@ -50,7 +51,8 @@ void shuffle(LatticeRing& ring) {
     for (std::uint64_t left = ring.cells.size(); left > 1; --left) {
         // the high half of a 64 by 64 bit product: as good as uniform, off by less than 2^-31
         const auto bits = random_bits(ring.stream, Purpose::shuffle, left, ring.remixes);
-        __extension__ const auto other = static_cast<std::size_t>((static_cast<unsigned __int128>(bits) * left) >> 64);
+        __extension__ const auto other =
+            static_cast<std::size_t>((static_cast<unsigned __int128>(bits) * left) >> 64);
         std::swap(ring.cells[left - 1], ring.cells[other]);
         std::swap(ring.crushes[left - 1], ring.crushes[other]);
     }
@@ -65,7 +67,8 @@ LatticeEstimate estimate(const std::vector<std::vector<double>>& samples) {
         for (const auto& sample : samples) sum += sample[i];
         result.mean[i] = sum / count;
         double square = 0.0;
-        for (const auto& sample : samples) square += (sample[i] - result.mean[i]) * (sample[i] - result.mean[i]);
+        for (const auto& sample : samples)
+            square += (sample[i] - result.mean[i]) * (sample[i] - result.mean[i]);
         // 0 / 0 with a single replica: NaN, an error that is not known
         result.standard_error[i] = std::sqrt(square / (count - 1.0) / count);
     }
@@ -74,9 +77,9 @@ LatticeEstimate estimate(const std::vector<std::vector<double>>& samples) {
 
 }  // namespace
 
-LatticeState::LatticeState(Index cells, const Material& material, const Grading& grading,
+LatticeState::LatticeState(Index cells, Material material, const Grading& grading,
                            const LatticeOptions& options)
-    : material_(material), options_(options) {
+    : material_(std::move(material)), options_(options) {
     material_.validate();
     require_options(options);
     require_cells(cells);
@@ -90,7 +93,8 @@ LatticeState::LatticeState(Index cells, const Material& material, const Grading&
             for (std::size_t c = 0; c < ring.cells.size(); ++c) {
                 const double p = one_size ? 0.5 : random_uniform(ring.stream, Purpose::start, c, 0);
                 // tails that run on for ever end where a double does
-                const double size = std::max(size_quantile(grading.law, p), material_.reference_size * 1e-300);
+                const double size =
+                    std::max(size_quantile(grading.law, p), material_.reference_size * 1e-300);
                 ring.cells[c].psi = relative_psi(size, material_.reference_size);
                 ring.cells[c].size = std::exp(ring.cells[c].psi);
             }
@@ -98,8 +102,8 @@ LatticeState::LatticeState(Index cells, const Material& material, const Grading&
         {});
 }
 
-LatticeState::LatticeState(VectorView<const double> sizes, const Material& material, const LatticeOptions& options)
-    : material_(material), options_(options) {
+LatticeState::LatticeState(VectorView<const double> sizes, Material material, const LatticeOptions& options)
+    : material_(std::move(material)), options_(options) {
     material_.validate();
     require_options(options);
     require_cells(sizes.size());
@@ -117,16 +121,17 @@ LatticeState::LatticeState(VectorView<const double> sizes, const Material& mater
     }
 }
 
-LatticeState::LatticeState(std::vector<LatticeRing> rings, const Material& material, const LatticeOptions& options)
-    : material_(material), options_(options), rings_(std::move(rings)) {
+LatticeState::LatticeState(std::vector<LatticeRing> rings, Material material, const LatticeOptions& options)
+    : material_(std::move(material)), options_(options), rings_(std::move(rings)) {
     material_.validate();
     require_options(options);
-    require(static_cast<Index>(rings_.size()) == options.replicas, "replicas", static_cast<double>(options.replicas),
-            "the number of rings");
+    require(static_cast<Index>(rings_.size()) == options.replicas, "replicas",
+            static_cast<double>(options.replicas), "the number of rings");
     for (const auto& ring : rings_) {
         require_cells(static_cast<Index>(ring.cells.size()));
         if (ring.cells.size() != rings_.front().cells.size() || ring.crushes.size() != ring.cells.size())
-            throw ShapeError("the rings differ in length; all must have the same number of cells and of crush counts");
+            throw ShapeError(
+                "the rings differ in length; all must have the same number of cells and of crush counts");
     }
 }
 
@@ -205,7 +210,8 @@ void LatticeState::psi(Index replica, VectorView<double> out) const {
                          std::to_string(cells.size()) + " cells");
     }
     const double origin = std::log(material_.reference_size);
-    std::transform(cells.begin(), cells.end(), out.begin(), [&](const LatticeCell& c) { return c.psi + origin; });
+    std::transform(cells.begin(), cells.end(), out.begin(),
+                   [&](const LatticeCell& c) { return c.psi + origin; });
 }
 
 VectorView<const std::uint32_t> LatticeState::crushes(Index replica) const {
@@ -232,7 +238,8 @@ std::vector<std::vector<double>> LatticeState::grainsizes(const LogGrid& grid) c
     const double origin = std::log(material_.reference_size);
     const auto work = [&](std::size_t r, const auto&) {
         std::vector<std::uint64_t> count(static_cast<std::size_t>(grid.bins()), 0);
-        for (const auto& cell : rings_[r].cells) ++count[static_cast<std::size_t>(grid.bin_of(cell.psi + origin))];
+        for (const auto& cell : rings_[r].cells)
+            ++count[static_cast<std::size_t>(grid.bin_of(cell.psi + origin))];
         for (const auto n : count) pmf[r].push_back(static_cast<double>(n) / static_cast<double>(cells()));
     };
     for_each_index(rings_.size(), static_cast<std::size_t>(options_.threads), work, {});
@@ -265,11 +272,12 @@ Fabric LatticeState::fabric(const LogGrid& grid) const {
 
 bool operator==(const LatticeState& a, const LatticeState& b) {
     const auto known = [](const LatticeRing& r) {
-        return std::tie(r.cells, r.crushes, r.stream, r.remixes, r.passes, r.loaded_to, r.at_rest, r.stepped_to,
-                        r.avalanches, r.avalanches_in_order);
+        return std::tie(r.cells, r.crushes, r.stream, r.remixes, r.passes, r.loaded_to, r.at_rest,
+                        r.stepped_to, r.avalanches, r.avalanches_in_order);
     };
     return typeid(a) == typeid(b) && a.material_ == b.material_ && a.options_.seed == b.options_.seed &&
-           a.options_.mean == b.options_.mean && a.options_.record_avalanches == b.options_.record_avalanches &&
+           a.options_.mean == b.options_.mean &&
+           a.options_.record_avalanches == b.options_.record_avalanches &&
            std::equal(a.rings_.begin(), a.rings_.end(), b.rings_.begin(), b.rings_.end(),
                       [&](const LatticeRing& x, const LatticeRing& y) { return known(x) == known(y); });
 }
@@ -284,7 +292,8 @@ Lattice::Lattice(std::vector<LatticeRing> rings, const Material& material, const
     : LatticeState(std::move(rings), material, options) {}
 
 bool Lattice::load_ring(LatticeRing& ring, double stress_ratio, const std::function<bool()>& go_on) const {
-    return crush_weakest_first(ring, material(), options().mean, stress_ratio, options().record_avalanches, go_on);
+    return crush_weakest_first(ring, material(), options().mean, stress_ratio, options().record_avalanches,
+                               go_on);
 }
 
 const std::vector<Avalanche>& Lattice::avalanches(Index replica) const {

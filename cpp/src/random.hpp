@@ -22,7 +22,8 @@ inline std::array<std::uint64_t, 2> philox(std::uint64_t key, std::uint64_t low,
 enum class Purpose : std::uint64_t { stream, start, fragment, tie, shuffle, decision };
 
 /// Random bits for place `where` (a cell) at instant `when` of one stream.
-inline std::uint64_t random_bits(std::uint64_t stream, Purpose purpose, std::uint64_t where, std::uint64_t when) {
+inline std::uint64_t random_bits(std::uint64_t stream, Purpose purpose, std::uint64_t where,
+                                 std::uint64_t when) {
     return philox(stream, where | static_cast<std::uint64_t>(purpose) << 56, when)[0];
 }
 

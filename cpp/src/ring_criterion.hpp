@@ -34,8 +34,11 @@ class LoadLimit {
     /// @param largest_psi  no cell of the ring is larger
     LoadLimit(const Material& material, Mean mean, double largest_psi, double log_load,
               std::uint64_t tie_key = std::numeric_limits<std::uint64_t>::max())
-        : mean_(mean), strength_(3.0 / material.weibull_modulus), width_(material.fabric_width),
-          largest_psi_(largest_psi), tie_key_(tie_key) {
+        : mean_(mean),
+          strength_(3.0 / material.weibull_modulus),
+          width_(material.fabric_width),
+          largest_psi_(largest_psi),
+          tie_key_(tie_key) {
         set(log_load, tie_key);
     }
 
@@ -56,8 +59,8 @@ class LoadLimit {
     /// What is to be expected of a cell; `critical` is set to the log of its critical stress ratio if it is
     /// active.
     template <class TieKey>
-    Look look(const LatticeCell& left, const LatticeCell& cell, const LatticeCell& right, const TieKey& tie_key,
-              double& critical) const {
+    Look look(const LatticeCell& left, const LatticeCell& cell, const LatticeCell& right,
+              const TieKey& tie_key, double& critical) const {
         critical = -strength_ * cell.psi;
         if (critical > log_load_) return Look::barrier;
         double contrast = 0.0;

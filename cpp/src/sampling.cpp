@@ -25,7 +25,8 @@ double point_quantile(const std::vector<double>& x, const std::vector<double>& f
 }
 
 double quantile(const LogNormalFragments& law, double p) {
-    return std::min(law.mean_log + law.sd_log * normal_quantile(p * normal_cdf(-law.mean_log / law.sd_log)), 0.0);
+    return std::min(law.mean_log + law.sd_log * normal_quantile(p * normal_cdf(-law.mean_log / law.sd_log)),
+                    0.0);
 }
 
 double quantile(const TabulatedFragments& law, double p) {

@@ -27,7 +27,7 @@ class FragmentSampler {
 
     FragmentLaw law_;
     Kind kind_ = Kind::other;
-    double scale_ = 0.0;         // Weibull: e^{-Lambda} - 1
+    double scale_ = 0.0;  // Weibull: e^{-Lambda} - 1
     double rate_ = 0.0;   // Weibull: Lambda
     double shape_ = 1.0;  // Weibull's, or the power law's exponent
 };

@@ -33,7 +33,8 @@ class Passes {
           listed_(ring.cells.size(), 0) {}
 
     void set_load(double stress_ratio) {
-        limit_.set(closed_log_load(ring_, material_, stress_ratio), std::numeric_limits<std::uint64_t>::max());
+        limit_.set(closed_log_load(ring_, material_, stress_ratio),
+                   std::numeric_limits<std::uint64_t>::max());
         active_.clear();
         for (Cell cell = 0; cell < ring_.cells.size(); ++cell) {
             if (is_active(cell)) active_.push_back(cell);
@@ -64,7 +65,8 @@ class Passes {
         }
         ++ring_.passes;
         for (const Cell cell : crushing_) {
-            const std::uint64_t when = static_cast<std::uint64_t>(ring_.remixes) << 32 | ring_.crushes[cell]++;
+            const std::uint64_t when =
+                static_cast<std::uint64_t>(ring_.remixes) << 32 | ring_.crushes[cell]++;
             ring_.cells[cell].psi += draw_(random_uniform(ring_.stream, Purpose::fragment, cell, when));
             ring_.cells[cell].size = std::exp(ring_.cells[cell].psi);
         }
@@ -88,8 +90,8 @@ class Passes {
     Cell previous(Cell cell) const { return (cell == 0 ? static_cast<Cell>(ring_.cells.size()) : cell) - 1; }
     LoadLimit::Look look(Cell cell, double& critical) const {
         return limit_.look(
-            ring_.cells[previous(cell)], ring_.cells[cell], ring_.cells[next(cell)], [] { return std::uint64_t{0}; },
-            critical);
+            ring_.cells[previous(cell)], ring_.cells[cell], ring_.cells[next(cell)],
+            [] { return std::uint64_t{0}; }, critical);
     }
     bool is_active(Cell cell) const {
         double critical = 0.0;

@@ -48,8 +48,8 @@ struct Stretch {
     double risen_to;  // load already reached by the avalanche under way, -inf for none
 };
 
-constexpr std::size_t few = 48;           // active cells of a stretch that is run at once
-constexpr std::size_t too_many = 4 * few;  // grown in the run: split after all
+constexpr std::size_t few = 48;                       // active cells of a stretch that is run at once
+constexpr std::size_t too_many = 4 * few;             // grown in the run: split after all
 constexpr std::uint64_t work_per_question = 1 << 17;  // cells looked at and crushes, about a millisecond
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -81,8 +81,8 @@ class Sample {
 
 class WeakestFirst {
   public:
-    WeakestFirst(LatticeRing& ring, const Material& material, Mean mean, double log_load, bool record_avalanches,
-                 const std::function<bool()>& go_on)
+    WeakestFirst(LatticeRing& ring, const Material& material, Mean mean, double log_load,
+                 bool record_avalanches, const std::function<bool()>& go_on)
         : ring_(ring),
           cells_(ring.cells.data()),
           count_(static_cast<Cell>(ring.cells.size())),
@@ -292,7 +292,8 @@ double closed_log_load(const LatticeRing& ring, const Material& material, double
     const double log_load = std::log(stress_ratio);
     const double strength = 3.0 / material.weibull_modulus;
     const double cushion = std::max(log_load + strength * largest_psi(ring), 0.0);
-    const double slope = std::sqrt(2.0 * cushion) / material.fabric_width;  // of the cushion, where it bears the load
+    const double slope =
+        std::sqrt(2.0 * cushion) / material.fabric_width;  // of the cushion, where it bears the load
     const double slack = std::abs(log_load) + strength + slope;
     return log_load + 8.0 * std::numeric_limits<double>::epsilon() * slack;
 }
@@ -300,8 +301,8 @@ double closed_log_load(const LatticeRing& ring, const Material& material, double
 bool crush_weakest_first(LatticeRing& ring, const Material& material, Mean mean, double stress_ratio,
                          bool record_avalanches, const std::function<bool()>& go_on) {
     if (stress_ratio == 0.0) return true;
-    WeakestFirst engine(ring, material, mean, closed_log_load(ring, material, stress_ratio), record_avalanches,
-                        go_on);
+    WeakestFirst engine(ring, material, mean, closed_log_load(ring, material, stress_ratio),
+                        record_avalanches, go_on);
     const bool finished = engine.run();
     if (finished) {
         merge_avalanches(ring.avalanches, ring.avalanches_in_order);

@@ -38,8 +38,8 @@ py::tuple options_state(const LatticeOptions& o) {
 }
 
 LatticeOptions options_from(const py::tuple& t) {
-    return options_of(t[0].cast<std::uint64_t>(), t[1].cast<Index>(), t[2].cast<std::string>(), t[3].cast<Index>(),
-                      t[4].cast<bool>());
+    return options_of(t[0].cast<std::uint64_t>(), t[1].cast<Index>(), t[2].cast<std::string>(),
+                      t[3].cast<Index>(), t[4].cast<bool>());
 }
 
 std::vector<double> sizes_in(const py::object& sizes) {
@@ -172,19 +172,22 @@ void add_lattice_methods(py::class_<Guarded<Model>>& lattice) {
         .def("grainsizes", &grainsizes<Model>, py::arg("grid"))
         .def(
             "fabric",
-            [](Self& l, const LogGrid& grid) { return l.with([&](const Model& m) { return m.fabric(grid); }); },
+            [](Self& l, const LogGrid& grid) {
+                return l.with([&](const Model& m) { return m.fabric(grid); });
+            },
             py::arg("grid"))
         .def_property_readonly("psi", &psi<Model>)
         .def_property_readonly("crushes", &crushes<Model>)
-        .def_property_readonly("mean_crushes", [](Self& l) {
-            return copied(l.with([](const Model& m) { return m.mean_crushes(); }));
-        })
+        .def_property_readonly(
+            "mean_crushes",
+            [](Self& l) { return copied(l.with([](const Model& m) { return m.mean_crushes(); })); })
         .def_property_readonly("settled_at", reading<Model>([](const Model& m) { return m.settled_at(); }))
         .def_property_readonly("cells", reading<Model>([](const Model& m) { return m.cells(); }))
         .def_property_readonly("replicas", reading<Model>([](const Model& m) { return m.replicas(); }))
         .def_property_readonly("material", reading<Model>([](const Model& m) { return m.material(); }))
         .def_property_readonly("seed", reading<Model>([](const Model& m) { return m.options().seed; }))
-        .def_property_readonly("mean", reading<Model>([](const Model& m) { return word_of(m.options().mean); }))
+        .def_property_readonly("mean",
+                               reading<Model>([](const Model& m) { return word_of(m.options().mean); }))
         .def_property_readonly("threads", reading<Model>([](const Model& m) { return m.options().threads; }))
         .def(
             "__eq__",
@@ -198,13 +201,15 @@ void add_lattice_methods(py::class_<Guarded<Model>>& lattice) {
 void register_event_driven(py::module_& m) {
     using Self = Guarded<Lattice>;
     const LatticeOptions standard;
-    const auto from_grading = [](Index cells, const Material& material, const Grading& grading, std::uint64_t seed,
-                                 Index replicas, const std::string& mean, Index threads, bool record_avalanches) {
+    const auto from_grading = [](Index cells, const Material& material, const Grading& grading,
+                                 std::uint64_t seed, Index replicas, const std::string& mean, Index threads,
+                                 bool record_avalanches) {
         const auto options = options_of(seed, replicas, mean, threads, record_avalanches);
         return std::make_unique<Self>(Lattice(cells, material, grading, options));
     };
-    const auto from_sizes = [](const py::object& sizes, const Material& material, std::uint64_t seed, Index replicas,
-                               const std::string& mean, Index threads, bool record_avalanches) {
+    const auto from_sizes = [](const py::object& sizes, const Material& material, std::uint64_t seed,
+                               Index replicas, const std::string& mean, Index threads,
+                               bool record_avalanches) {
         const auto options = options_of(seed, replicas, mean, threads, record_avalanches);
         return std::make_unique<Self>(Lattice(sizes_in(sizes), material, options));
     };
@@ -239,15 +244,15 @@ void register_time_stepped(py::module_& m) {
     const LatticeOptions standard;
     const TimeStepping steps;
     const auto from_grading = [](Index cells, const Material& material, const Grading& grading,
-                                 double crush_probability, double load_factor, std::uint64_t seed, Index replicas,
-                                 const std::string& mean, Index threads) {
+                                 double crush_probability, double load_factor, std::uint64_t seed,
+                                 Index replicas, const std::string& mean, Index threads) {
         const auto options = options_of(seed, replicas, mean, threads, false);
         const TimeStepping stepping{crush_probability, load_factor};
         return std::make_unique<Self>(TimeSteppedLattice(cells, material, grading, stepping, options));
     };
     const auto from_sizes = [](const py::object& sizes, const Material& material, double crush_probability,
-                               double load_factor, std::uint64_t seed, Index replicas, const std::string& mean,
-                               Index threads) {
+                               double load_factor, std::uint64_t seed, Index replicas,
+                               const std::string& mean, Index threads) {
         const auto options = options_of(seed, replicas, mean, threads, false);
         const TimeStepping stepping{crush_probability, load_factor};
         return std::make_unique<Self>(TimeSteppedLattice(sizes_in(sizes), material, stepping, options));
@@ -255,24 +260,26 @@ void register_time_stepped(py::module_& m) {
     py::class_<Self> lattice(m, "TimeSteppedLattice", "What `comminute.TimeSteppedLattice` drives.");
     lattice
         .def(py::init(from_grading), py::arg("cells"), py::arg("material"), py::arg("grading"), py::kw_only(),
-             py::arg("crush_probability") = steps.crush_probability, py::arg("load_factor") = steps.load_factor,
-             py::arg("seed") = standard.seed, py::arg("replicas") = standard.replicas,
-             py::arg("mean") = word_of(standard.mean), py::arg("threads") = standard.threads)
+             py::arg("crush_probability") = steps.crush_probability,
+             py::arg("load_factor") = steps.load_factor, py::arg("seed") = standard.seed,
+             py::arg("replicas") = standard.replicas, py::arg("mean") = word_of(standard.mean),
+             py::arg("threads") = standard.threads)
         .def(py::init(from_sizes), py::arg("sizes"), py::arg("material"), py::kw_only(),
-             py::arg("crush_probability") = steps.crush_probability, py::arg("load_factor") = steps.load_factor,
-             py::arg("seed") = standard.seed, py::arg("replicas") = standard.replicas,
-             py::arg("mean") = word_of(standard.mean), py::arg("threads") = standard.threads)
+             py::arg("crush_probability") = steps.crush_probability,
+             py::arg("load_factor") = steps.load_factor, py::arg("seed") = standard.seed,
+             py::arg("replicas") = standard.replicas, py::arg("mean") = word_of(standard.mean),
+             py::arg("threads") = standard.threads)
         .def(
             "crush_pass",
             [](Self& l, double stress_ratio) {
                 return l.with([&](TimeSteppedLattice& model) { return model.pass(stress_ratio); });
             },
             py::arg("stress_ratio"))
-        .def_property_readonly(
-            "crush_probability",
-            reading<TimeSteppedLattice>([](const auto& l) { return l.stepping().crush_probability; }))
-        .def_property_readonly("load_factor",
-                               reading<TimeSteppedLattice>([](const auto& l) { return l.stepping().load_factor; }))
+        .def_property_readonly("crush_probability", reading<TimeSteppedLattice>([](const auto& l) {
+                                   return l.stepping().crush_probability;
+                               }))
+        .def_property_readonly("load_factor", reading<TimeSteppedLattice>(
+                                                  [](const auto& l) { return l.stepping().load_factor; }))
         .def(py::pickle(
             [](Self& l) {
                 const TimeSteppedLattice copy = l.with([](const TimeSteppedLattice& model) { return model; });
@@ -281,8 +288,8 @@ void register_time_stepped(py::module_& m) {
             },
             [](const py::tuple& t) {
                 const TimeStepping stepping{t[3].cast<double>(), t[4].cast<double>()};
-                return std::make_unique<Self>(TimeSteppedLattice(rings_from(t[0]), t[1].cast<Material>(), stepping,
-                                                                 options_from(t[2].cast<py::tuple>())));
+                return std::make_unique<Self>(TimeSteppedLattice(
+                    rings_from(t[0]), t[1].cast<Material>(), stepping, options_from(t[2].cast<py::tuple>())));
             }));
     add_lattice_methods(lattice);
 }

@@ -140,10 +140,7 @@ class SmallRing:
         """(N, ..., N) critical stress ratio of one cell, state by state."""
         psi = np.meshgrid(*[self.grid.centres] * self.cells, indexing="ij")
         left, right = psi[cell - 1], psi[(cell + 1) % self.cells]
-        if self.mean == "geometric":
-            neighbour = np.exp(0.5 * (left + right))
-        else:
-            neighbour = 0.5 * (np.exp(left) + np.exp(right))
+        neighbour = np.exp(0.5 * (left + right)) if self.mean == "geometric" else 0.5 * (np.exp(left) + np.exp(right))
         return critical_stress_ratio(self.material, np.exp(psi[cell]), neighbour)
 
     def __repr__(self) -> str:

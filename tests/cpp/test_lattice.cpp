@@ -21,8 +21,8 @@ using comminute::Material;
 using comminute::Mean;
 using comminute::ParameterError;
 using comminute::ShapeError;
-using comminute::TimeStepping;
 using comminute::TimeSteppedLattice;
+using comminute::TimeStepping;
 
 namespace {
 
@@ -70,7 +70,8 @@ double log_critical(const Material& material, const Numbers& psi, std::size_t c)
 
 const std::vector<Grading>& starts() {
     static const std::vector<Grading> all{comminute::monodisperse(1.0), comminute::gap_graded(1.0, 0.1),
-                                          comminute::uniform_size(0.9, 1.0), comminute::power_law(2.5, 1e-3, 1.0)};
+                                          comminute::uniform_size(0.9, 1.0),
+                                          comminute::power_law(2.5, 1e-3, 1.0)};
     return all;
 }
 
@@ -175,7 +176,8 @@ TEST_CASE("after a load no cell is weaker than it") {
             lattice.load_to(30.0);
             const Numbers psi = psi_of(lattice);
             double weakest = infinity;
-            for (std::size_t c = 0; c < psi.size(); ++c) weakest = std::min(weakest, log_critical(material, psi, c));
+            for (std::size_t c = 0; c < psi.size(); ++c)
+                weakest = std::min(weakest, log_critical(material, psi, c));
             CHECK(weakest > std::log(30.0) - 1e-12);
         }
     }
@@ -210,7 +212,9 @@ TEST_CASE("an interrupted load is finished by the next one, and ends as if undis
 }
 
 TEST_CASE("an interrupted time-stepped load is finished as well") {
-    const auto make = [] { return TimeSteppedLattice(20'000, Material{}, starts()[1], {0.3, 1.2}, with(1, 1, 2)); };
+    const auto make = [] {
+        return TimeSteppedLattice(20'000, Material{}, starts()[1], {0.3, 1.2}, with(1, 1, 2));
+    };
     TimeSteppedLattice undisturbed = make();
     undisturbed.load_to(20.0);
     TimeSteppedLattice lattice = make();
@@ -228,13 +232,15 @@ TEST_CASE("remixing moves cells about and forgets the load") {
     const Numbers before = psi_of(lattice, 1);
     const auto counts = lattice.crushes(1);
     std::vector<std::pair<double, std::uint32_t>> pairs;
-    for (std::size_t c = 0; c < before.size(); ++c) pairs.emplace_back(before[c], counts[static_cast<Index>(c)]);
+    for (std::size_t c = 0; c < before.size(); ++c)
+        pairs.emplace_back(before[c], counts[static_cast<Index>(c)]);
     lattice.remix();
     CHECK_FALSE(lattice.settled_at().has_value());
     const Numbers after = psi_of(lattice, 1);
     const auto moved = lattice.crushes(1);
     std::vector<std::pair<double, std::uint32_t>> pairs_after;
-    for (std::size_t c = 0; c < after.size(); ++c) pairs_after.emplace_back(after[c], moved[static_cast<Index>(c)]);
+    for (std::size_t c = 0; c < after.size(); ++c)
+        pairs_after.emplace_back(after[c], moved[static_cast<Index>(c)]);
     CHECK(pairs != pairs_after);
     std::sort(pairs.begin(), pairs.end());
     std::sort(pairs_after.begin(), pairs_after.end());
@@ -260,10 +266,14 @@ TEST_CASE("a permutation puts every cell everywhere alike") {
 
 TEST_CASE("fragments follow their law") {
     const std::vector<FragmentLaw> laws{
-        comminute::WeibullFragments{},           comminute::WeibullFragments{0.3, 2.5},
-        comminute::WeibullFragments{20.0, 0.5},  comminute::PowerLawFragments{},
-        comminute::PowerLawFragments{0.4},       comminute::LogNormalFragments{-1.0, 0.5},
-        comminute::LogNormalFragments{3.0, 0.5}, comminute::LogNormalFragments{-8.0, 2.0},
+        comminute::WeibullFragments{},
+        comminute::WeibullFragments{0.3, 2.5},
+        comminute::WeibullFragments{20.0, 0.5},
+        comminute::PowerLawFragments{},
+        comminute::PowerLawFragments{0.4},
+        comminute::LogNormalFragments{-1.0, 0.5},
+        comminute::LogNormalFragments{3.0, 0.5},
+        comminute::LogNormalFragments{-8.0, 2.0},
         comminute::TabulatedFragments{{0.25, 0.5, 1.0}, {0.0, 0.4, 1.0}},
         comminute::TabulatedFragments{{0.1, 0.2, 0.7, 1.0}, {0.1, 0.3, 0.3, 1.0}}};
     for (const FragmentLaw& law : laws) {
@@ -273,15 +283,22 @@ TEST_CASE("fragments follow their law") {
         CHECK(lattice.pass(1.0) == 20'000);
         const Numbers psi = psi_of(lattice);
         CHECK(*std::max_element(psi.begin(), psi.end()) <= 0.0);
-        CHECK(kolmogorov(psi, [&](double r) { return std::visit([r](const auto& l) { return l.cdf(r); }, law); }) < 2.23);
+        CHECK(kolmogorov(psi, [&](double r) {
+                  return std::visit([r](const auto& l) { return l.cdf(r); }, law);
+              }) < 2.23);
     }
 }
 
 TEST_CASE("starts follow their grading") {
     const std::vector<Grading> gradings{
-        comminute::power_law(2.5, 1e-3, 2.0), comminute::power_law(3.5, 1e-3, 2.0), comminute::power_law(2.9, 0.0, 2.0),
-        comminute::log_uniform(0.1, 1.0),     comminute::uniform_size(0.9, 1.0),    comminute::lognormal(0.5, 0.8),
-        comminute::lognormal(0.5, 0.8, 0.4),  comminute::rosin_rammler(0.5, 1.3),
+        comminute::power_law(2.5, 1e-3, 2.0),
+        comminute::power_law(3.5, 1e-3, 2.0),
+        comminute::power_law(2.9, 0.0, 2.0),
+        comminute::log_uniform(0.1, 1.0),
+        comminute::uniform_size(0.9, 1.0),
+        comminute::lognormal(0.5, 0.8),
+        comminute::lognormal(0.5, 0.8, 0.4),
+        comminute::rosin_rammler(0.5, 1.3),
         comminute::sieve_grading({0.1, 0.5, 1.0, 2.0}, {5.0, 40.0, 40.0, 100.0}, "mm")};
     for (const Grading& grading : gradings) {
         Lattice lattice(20'000, Material{}, grading, with(1, 1, 12));
@@ -376,15 +393,17 @@ TEST_CASE("one pass of probability 1 crushes equal sizes whole") {
 
 TEST_CASE("messages of the lattice: value, rule, remedy") {
     const Grading one = comminute::monodisperse(1.0);
-    CHECK_THROWS_WITH_AS(Lattice(1, Material{}, one), "cells is 1; it must be at least 2 (a ring) and less than 2^32 - 1",
-                         ParameterError);
+    CHECK_THROWS_WITH_AS(Lattice(1, Material{}, one),
+                         "cells is 1; it must be at least 2 (a ring) and less than 2^32 - 1", ParameterError);
     CHECK_THROWS_WITH_AS(Lattice(10, Material{}, one, with(0, 1)), "replicas is 0; it must be at least 1",
                          ParameterError);
-    CHECK_THROWS_WITH_AS(Lattice(10, Material{}, one, with(1, 0)), "threads is 0; it must be at least 1", ParameterError);
+    CHECK_THROWS_WITH_AS(Lattice(10, Material{}, one, with(1, 0)), "threads is 0; it must be at least 1",
+                         ParameterError);
     CHECK_THROWS_WITH_AS(Lattice(Numbers{1.0, -2.0}, Material{}),
                          "sizes[1] is -2; it must be greater than 0 and finite", ParameterError);
     Lattice lattice(10, Material{}, one);
-    CHECK_THROWS_WITH_AS(lattice.load_to(-1.0), "stress_ratio is -1; it must be a number of at least 0 (0 is no load)",
+    CHECK_THROWS_WITH_AS(lattice.load_to(-1.0),
+                         "stress_ratio is -1; it must be a number of at least 0 (0 is no load)",
                          ParameterError);
     CHECK_THROWS_AS(lattice.load_to(std::nan("")), ParameterError);
     CHECK_THROWS_WITH_AS(lattice.load_to(infinity),
@@ -392,8 +411,10 @@ TEST_CASE("messages of the lattice: value, rule, remedy") {
                          "reference_size, which a double cannot hold",
                          ParameterError);
     CHECK_THROWS_WITH_AS(lattice.avalanches(0),
-                         "avalanches were not recorded; set record_avalanches when the lattice is made", ParameterError);
-    CHECK_THROWS_WITH_AS(lattice.crushes(1), "replica is 1; it must be the index of a replica, 0 to replicas - 1",
+                         "avalanches were not recorded; set record_avalanches when the lattice is made",
+                         ParameterError);
+    CHECK_THROWS_WITH_AS(lattice.crushes(1),
+                         "replica is 1; it must be the index of a replica, 0 to replicas - 1",
                          ParameterError);
     Numbers small(9);
     CHECK_THROWS_WITH_AS(lattice.psi(0, small), "out has 9 entries; the ring has 10 cells", ShapeError);
@@ -401,5 +422,6 @@ TEST_CASE("messages of the lattice: value, rule, remedy") {
     CHECK_THROWS_WITH_AS(TimeSteppedLattice(10, Material{}, one, {0.0, 1.01}),
                          "crush_probability is 0; it must be greater than 0 and at most 1", ParameterError);
     CHECK_THROWS_WITH_AS(TimeSteppedLattice(10, Material{}, one, {0.1, 1.0}),
-                         "load_factor is 1; it must be greater than 1 (inf: no loads on the way)", ParameterError);
+                         "load_factor is 1; it must be greater than 1 (inf: no loads on the way)",
+                         ParameterError);
 }

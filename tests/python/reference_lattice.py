@@ -8,8 +8,6 @@ that the two may be compared bit by bit.
 import math
 from collections.abc import Callable
 
-import numpy as np
-
 import comminute as cm
 from reference import Array
 
@@ -63,17 +61,19 @@ class PlainRing:
         self.draw = sampler(material.fragments)
 
     def log_critical(self, cell: int) -> float:
+        """Log of Eq. 2."""
         left, right = self.psi[cell - 1], self.psi[(cell + 1) % len(self.psi)]
         mean = 0.5 * (left + right) if self.geometric else math.log(0.5 * (math.exp(left) + math.exp(right)))
         contrast = (self.psi[cell] - mean) / self.material.fabric_width
         return -3.0 / self.material.weibull_modulus * self.psi[cell] + 0.5 * contrast * contrast
 
     def load_to(self, stress_ratio: float) -> None:
+        """Crush the weakest cell of all, again and again, while the load bears on it."""
         origin = bits(self.stream, TIE, 0, self.remixes)
         load = math.log(stress_ratio) + 1e-13
         risen_to = -math.inf
         while True:
-            weakest, key, cell = min((self.log_critical(c), tie_key(origin, c), c) for c in range(len(self.psi)))
+            weakest, _, cell = min((self.log_critical(c), tie_key(origin, c), c) for c in range(len(self.psi)))
             if weakest > load:
                 return
             if weakest > risen_to:
@@ -85,11 +85,9 @@ class PlainRing:
             self.crushes[cell] += 1
 
     def remix(self) -> None:
+        """Fisher-Yates from the far end."""
         self.remixes += 1
         for left in range(len(self.psi), 1, -1):
             other = bits(self.stream, SHUFFLE, left, self.remixes) * left >> 64
-            for values in (self.psi, self.crushes):
-                values[left - 1], values[other] = values[other], values[left - 1]  # type: ignore[index]
-
-    def sizes(self) -> Array:
-        return np.exp(self.psi)
+            self.psi[left - 1], self.psi[other] = self.psi[other], self.psi[left - 1]
+            self.crushes[left - 1], self.crushes[other] = self.crushes[other], self.crushes[left - 1]

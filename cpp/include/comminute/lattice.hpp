@@ -21,18 +21,20 @@ namespace comminute {
 /// options.threads = 2;   // changes no bit of the results
 /// @endcode
 struct LatticeOptions {
-    std::uint64_t seed = 0;           ///< of the random numbers; each replica has a stream of its own
-    Index replicas = 1;               ///< >= 1, independent rings
-    Mean mean = Mean::arithmetic;     ///< how two neighbours make a neighbourhood grainsize (Eq. 48 or 65)
-    Index threads = 1;                ///< >= 1, at most this many rings are worked on at a time
-    bool record_avalanches = false;   ///< keep the size of every avalanche, 16 bytes each (`Lattice` only)
+    std::uint64_t seed = 0;          ///< of the random numbers; each replica has a stream of its own
+    Index replicas = 1;              ///< >= 1, independent rings
+    Mean mean = Mean::arithmetic;    ///< how two neighbours make a neighbourhood grainsize (Eq. 48 or 65)
+    Index threads = 1;               ///< >= 1, at most this many rings are worked on at a time
+    bool record_avalanches = false;  ///< keep the size of every avalanche, 16 bytes each (`Lattice` only)
 };
 
 /// One cell of a ring, which stands for grains of a fixed mass and of one size.
 struct LatticeCell {
     double psi;   ///< ln(size / reference size)
     double size;  ///< exp(psi), so that the mean of two neighbours needs no exponential
-    friend bool operator==(const LatticeCell& a, const LatticeCell& b) { return a.psi == b.psi && a.size == b.size; }
+    friend bool operator==(const LatticeCell& a, const LatticeCell& b) {
+        return a.psi == b.psi && a.size == b.size;
+    }
 };
 
 /// Crushes at one value of the load: what a single raise of the load sets off, before it has to rise again.
@@ -117,16 +119,17 @@ class LatticeState {
     friend bool operator==(const LatticeState& a, const LatticeState& b);
 
   protected:
-    LatticeState(Index cells, const Material& material, const Grading& grading, const LatticeOptions& options);
-    LatticeState(VectorView<const double> sizes, const Material& material, const LatticeOptions& options);
-    LatticeState(std::vector<LatticeRing> rings, const Material& material, const LatticeOptions& options);
+    LatticeState(Index cells, Material material, const Grading& grading, const LatticeOptions& options);
+    LatticeState(VectorView<const double> sizes, Material material, const LatticeOptions& options);
+    LatticeState(std::vector<LatticeRing> rings, Material material, const LatticeOptions& options);
     LatticeState(const LatticeState&) = default;
     LatticeState(LatticeState&&) = default;
     LatticeState& operator=(const LatticeState&) = default;
     LatticeState& operator=(LatticeState&&) = default;
 
     /// Takes one ring to a load above the one it stands at; whether it came to the end.
-    virtual bool load_ring(LatticeRing& ring, double stress_ratio, const std::function<bool()>& go_on) const = 0;
+    virtual bool load_ring(LatticeRing& ring, double stress_ratio,
+                           const std::function<bool()>& go_on) const = 0;
 
     std::size_t checked(Index replica) const;
     void require_load(double stress_ratio) const;
@@ -158,7 +161,8 @@ class Lattice : public LatticeState {
     /// @param cells    M >= 2 of each ring, at most 2^32 - 2
     /// @param grading  sizes are drawn from it independently
     /// @throws ParameterError naming the parameter, its value and the rule
-    Lattice(Index cells, const Material& material, const Grading& grading, const LatticeOptions& options = {});
+    Lattice(Index cells, const Material& material, const Grading& grading,
+            const LatticeOptions& options = {});
     /// @param sizes  of the cells around the ring, > 0, in the material's unit; every replica starts with them
     Lattice(VectorView<const double> sizes, const Material& material, const LatticeOptions& options = {});
     /// A lattice that goes on where another, with these rings, stood.
@@ -201,8 +205,8 @@ class TimeSteppedLattice : public LatticeState {
     /// @throws ParameterError as Lattice, and for a probability or a factor outside its range
     TimeSteppedLattice(Index cells, const Material& material, const Grading& grading,
                        const TimeStepping& stepping = {}, const LatticeOptions& options = {});
-    TimeSteppedLattice(VectorView<const double> sizes, const Material& material, const TimeStepping& stepping = {},
-                       const LatticeOptions& options = {});
+    TimeSteppedLattice(VectorView<const double> sizes, const Material& material,
+                       const TimeStepping& stepping = {}, const LatticeOptions& options = {});
     TimeSteppedLattice(std::vector<LatticeRing> rings, const Material& material, const TimeStepping& stepping,
                        const LatticeOptions& options);
 
