@@ -8,6 +8,7 @@
 
 #include "comminute/criterion.hpp"
 #include "comminute/error.hpp"
+#include "normal.hpp"
 
 namespace comminute {
 namespace {
@@ -49,10 +50,6 @@ double finest_fragment(const Material& material, double top, double max_stress_r
     while (finer(-reach) > 1e-2 && reach < 20.0) reach += 0.25;
     const double band = std::min(0.25 * material.k(), 1.0);  // the zone's lowest point below its tip
     return crushable - band - reach;
-}
-
-double normal_cdf(double z) {
-    return 0.5 * std::erfc(-z / std::sqrt(2.0));
 }
 
 }  // namespace

@@ -11,6 +11,13 @@
 
 namespace comminute {
 
+/// ln(stress ratio) of the closed crush test: raised by a few units in the last place, so that a cell exactly at
+/// its critical load crushes however that was rounded.
+double closed_log_load(const LatticeRing& ring, const Material& material, double stress_ratio);
+
+/// ln(size / reference size) of the largest cell.
+double largest_psi(const LatticeRing& ring);
+
 /// Log size of the neighbourhood of two cells, relative to the reference size (Eq. 48 or 65).
 inline double neighbourhood(const LatticeCell& left, const LatticeCell& right, Mean mean) {
     if (mean == Mean::geometric) return 0.5 * (left.psi + right.psi);

@@ -6,12 +6,10 @@
 #include <numbers>
 #include <vector>
 
+#include "normal.hpp"
+
 namespace comminute {
 namespace {
-
-double normal_cdf(double z) {
-    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
-}
 
 // A curve that is linear in ln x between points, and a power law below the first.
 double point_quantile(const std::vector<double>& x, const std::vector<double>& finer, double tail_slope,
@@ -30,9 +28,7 @@ double quantile(const LogNormalFragments& law, double p) {
 }
 
 double quantile(const TabulatedFragments& law, double p) {
-    const double slope =
-        law.finer[0] > 0.0 ? std::log(law.finer[1] / law.finer[0]) / std::log(law.x[1] / law.x[0]) : 0.0;
-    return std::min(point_quantile(law.x, law.finer, slope, p), 0.0);
+    return std::min(point_quantile(law.x, law.finer, law.tail_slope(), p), 0.0);
 }
 
 double quantile(const PointMasses& law, double p) {

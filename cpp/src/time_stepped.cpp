@@ -8,7 +8,6 @@
 #include "comminute/lattice.hpp"
 #include "ring_criterion.hpp"
 #include "sampling.hpp"
-#include "weakest_first.hpp"
 
 namespace comminute {
 namespace {

@@ -16,11 +16,4 @@ namespace comminute {
 bool crush_weakest_first(LatticeRing& ring, const Material& material, Mean mean, double stress_ratio,
                          bool record_avalanches, const std::function<bool()>& go_on);
 
-/// ln(stress ratio) of the closed crush test: raised by a few units in the last place, so that a cell exactly at
-/// its critical load crushes however that was rounded.
-double closed_log_load(const LatticeRing& ring, const Material& material, double stress_ratio);
-
-/// ln(size / reference size) of the largest cell.
-double largest_psi(const LatticeRing& ring);
-
 }  // namespace comminute

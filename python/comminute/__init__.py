@@ -54,7 +54,8 @@ from comminute._core import (
     stress_ratio_at,
     uniform_size,
 )
-from comminute.lattice import Comparison, Lattice, LatticeResult, TimeSteppedLattice, compare
+from comminute.lattice import Lattice, TimeSteppedLattice
+from comminute.lattice_results import Comparison, LatticeResult, compare
 from comminute.results import Result
 from comminute.simulation import Interrupted, ResolutionWarning, Simulation
 from comminute.small_ring import SmallRing
