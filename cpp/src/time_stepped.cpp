@@ -6,8 +6,8 @@
 
 #include "check.hpp"
 #include "comminute/lattice.hpp"
+#include "crush.hpp"
 #include "ring_criterion.hpp"
-#include "sampling.hpp"
 
 namespace comminute {
 namespace {
@@ -63,12 +63,7 @@ class Passes {
                 crushing_.push_back(cell);
         }
         ++ring_.passes;
-        for (const Cell cell : crushing_) {
-            const std::uint64_t when =
-                static_cast<std::uint64_t>(ring_.remixes) << 32 | ring_.crushes[cell]++;
-            ring_.cells[cell].psi += draw_(random_uniform(ring_.stream, Purpose::fragment, cell, when));
-            ring_.cells[cell].size = std::exp(ring_.cells[cell].psi);
-        }
+        for (const Cell cell : crushing_) crush(ring_, cell, draw_);
         // Only cells that were active, or stand next to one that crushed, can be active now.
         candidates_.swap(active_);
         active_.clear();

@@ -7,8 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "crush.hpp"
 #include "ring_criterion.hpp"
-#include "sampling.hpp"
 
 namespace comminute {
 namespace {
@@ -204,7 +204,7 @@ class WeakestFirst {
                 crushes = 0;
             }
             ++crushes;
-            crush(weakest.cell);
+            crush(ring_, weakest.cell, draw_);
             const Cell left = previous(weakest.cell);
             const Cell right = next(weakest.cell);
             refresh(part, weakest.cell);
@@ -224,12 +224,6 @@ class WeakestFirst {
         queue_[weakest] = queue_.back();
         queue_.pop_back();
         return event;
-    }
-
-    void crush(Cell cell) {
-        const std::uint64_t when = static_cast<std::uint64_t>(ring_.remixes) << 32 | ring_.crushes[cell]++;
-        cells_[cell].psi += draw_(random_uniform(ring_.stream, Purpose::fragment, cell, when));
-        cells_[cell].size = std::exp(cells_[cell].psi);
     }
 
     void refresh(const Stretch& part, Cell cell) {
