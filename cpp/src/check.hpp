@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <string>
 
@@ -11,6 +12,20 @@ namespace comminute {
 
 inline std::string shape_text(Index rows, Index cols) {
     return "(" + std::to_string(rows) + ", " + std::to_string(cols) + ")";
+}
+
+/// Throws ParameterError unless the value can be a share of the mass.
+inline void require_share(double value, const std::string& place) {
+    if (std::isfinite(value) && value >= 0.0) return;
+    throw ParameterError(place + " is " + text(value) +
+                         "; a share of the mass must be finite and at least 0");
+}
+
+/// Throws ParameterError unless the total is 1, as near as sums of shares come.
+inline void require_whole(double total, const char* name) {
+    if (std::abs(total - 1.0) <= 1e-9) return;
+    throw ParameterError(std::string(name) + " adds up to " + text(total) +
+                         "; it holds the whole mass, 1. Divide it by its sum");
 }
 
 /// Throws ShapeError unless the view is bins x bins.

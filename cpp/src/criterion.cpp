@@ -2,12 +2,11 @@
 #include "comminute/criterion.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include "check.hpp"
-#include "gauss.hpp"
+#include "shell_zone.hpp"
 
 namespace comminute {
 namespace {
@@ -99,6 +98,10 @@ void CrushZones::set_load(double stress_ratio) {
     }
 }
 
+bool CrushZones::active(double psi, double psibar) const {
+    return crushes(std::max(psi, psibar), std::abs(psi - psibar));
+}
+
 void CrushZones::fill(MatrixView<std::uint8_t> zones) const {
     require_square(zones, grid_.bins(), "zones");
     for (Index i = 0; i < grid_.bins(); ++i) {
@@ -122,10 +125,6 @@ double CrushZones::distrusted_below() const {
     return -infinity;
 }
 
-// Lengths in bins, t in [-1/2, 1/2] the larger grain's place in its cell. With `tip` the place where the zone
-// begins, its half-width there is root * s, s = sqrt(t - tip), root = sqrt(k / h), and it covers the length
-// clamp(1/2 - d - t + root * s, 0, 1) of the smaller grain's cell (d = 0: twice min(root * s, t + 1/2)).
-// Between its kinks the integrand over s is a cubic, so a 3-point Gauss rule a piece is exact.
 double active_share(const LogGrid& grid, const Material& material, double stress_ratio, Index m,
                     Index distance) {
     material.validate();
@@ -133,52 +132,8 @@ double active_share(const LogGrid& grid, const Material& material, double stress
     require(m >= 0 && m < grid.bins(), "m", static_cast<double>(m), "a bin of the grid");
     require(distance >= 0 && distance <= m, "distance", static_cast<double>(distance), "between 0 and m");
     if (m == 0 || stress_ratio == 0.0) return 0.0;
-
-    const double h = grid.spacing();
-    const auto d = static_cast<double>(distance);
-    const double strength = 3.0 / material.weibull_modulus;
-    const double excess =
-        std::log(stress_ratio) + strength * (grid.centre(m) - std::log(material.reference_size));
-    const double tip = -excess / (strength * h);
-    const double begin = std::max(-0.5, tip);
-    if (begin >= 0.5) return 0.0;
-    const double steepness = material.k() / h;
-    if (std::isinf(steepness) || std::isinf(tip)) {
-        return distance == 0 ? 1.0 - (begin + 0.5) * (begin + 0.5) : 0.5 - begin;
-    }
-
-    std::array<double, 6> kink{begin, begin, begin, begin, begin, 0.5};
-    std::size_t found = 1;
-    for (const double covered : {0.0, 1.0}) {
-        const double c = d + tip + covered - 0.5;
-        const double discriminant = 1.0 - 4.0 * c / steepness;
-        if (discriminant < 0.0) continue;
-        const double larger = 0.5 * steepness * (1.0 + std::sqrt(discriminant));
-        for (const double width : {larger, c * steepness / larger}) {
-            kink[found++] =
-                std::clamp(tip + std::max(width, 0.0) * std::max(width, 0.0) / steepness, begin, 0.5);
-        }
-    }
-    std::sort(kink.begin(), kink.end());
-
-    const double root = std::sqrt(steepness);
-    const auto covered_length = [&](double t, double s) {
-        if (distance == 0) return 2.0 * std::min(root * s, t + 0.5);
-        return std::clamp(0.5 - d - t + root * s, 0.0, 1.0);
-    };
-    double share = 0.0;
-    for (std::size_t p = 0; p + 1 < kink.size(); ++p) {
-        const double s = std::sqrt(kink[p] - tip);
-        const double s_end = std::sqrt(kink[p + 1] - tip);
-        if (!(s_end > s)) continue;
-        const double width = (kink[p + 1] - kink[p]) / (s_end + s);  // s_end - s without cancellation
-        for (const auto& [node, weight] : gauss_3_unit) {
-            const double step = node * width;
-            const double t = kink[p] + step * (2.0 * s + step);
-            share += weight * width * 2.0 * (s + step) * covered_length(t, s + step);
-        }
-    }
-    return std::clamp(share, 0.0, 1.0);
+    const ShellZone zone(grid, material, std::log(stress_ratio), m);
+    return zone.share(distance);
 }
 
 void active_share(const LogGrid& grid, const Material& material, double stress_ratio,

@@ -8,6 +8,7 @@
 
 #include "check.hpp"
 #include "comminute/material.hpp"
+#include "fabric_access.hpp"
 
 namespace comminute {
 namespace {
@@ -15,62 +16,106 @@ namespace {
 using Line = Eigen::Map<Eigen::ArrayXd>;
 using ConstLine = Eigen::Map<const Eigen::ArrayXd>;
 
-constexpr double total_tolerance = 1e-9;
-
-void require_whole(double total, const char* name) {
-    if (std::abs(total - 1.0) <= total_tolerance) return;
-    throw ParameterError(std::string(name) + " adds up to " + text(total) +
-                         "; it holds the whole mass, 1. Divide it by its sum");
+std::string place_text(const char* list, std::size_t index, const char* field = "") {
+    return std::string(list) + "[" + std::to_string(index) + "]" + field;
 }
 
-void require_share(bool ok, const std::string& place, double value) {
-    if (ok) return;
-    throw ParameterError(place + " is " + text(value) +
-                         "; a share of the mass must be finite and at least 0");
+// An exact place inside the grid and above the fines bin, whose grains have no exact size.
+void require_resolved(const LogGrid& grid, double psi, const std::string& place) {
+    if (psi >= grid.edge(1) && psi <= grid.edge(grid.bins())) return;
+    throw ParameterError(place + " is " + text(psi) + "; it must lie between " + text(grid.edge(1)) +
+                         " and " + text(grid.edge(grid.bins())) +
+                         ", inside the grid and above its fines bin");
 }
 
-// Where the mean of two neighbours d bins apart lies: `bins` whole bins and a bit below the larger one's
-// centre, with `upper` the share given to the upper of the two centres next to it. The same for every pair,
-// since bins are even.
-struct MeanPlace {
-    Index bins;
-    double upper;
-};
+double checked_total(const LogGrid& grid, const std::vector<Atom>& atoms) {
+    double total = 0.0;
+    for (std::size_t a = 0; a < atoms.size(); ++a) {
+        require_resolved(grid, atoms[a].psi, place_text("atoms", a, ".psi"));
+        require_resolved(grid, atoms[a].psibar, place_text("atoms", a, ".psibar"));
+        require_share(atoms[a].mass, place_text("atoms", a, ".mass"));
+        total += atoms[a].mass;
+    }
+    return total;
+}
 
-MeanPlace place_of_mean(double h, Index d, Mean mean) {
-    if (d == 0) return {0, 1.0};
-    const auto distance = static_cast<double>(d);
-    if (mean == Mean::geometric) return {d / 2, d % 2 == 0 ? 1.0 : 0.5};
-    // sizes in units of the larger one's; hat weights in s, so that E[sbar] = E[s]
-    const double size = 0.5 * (1.0 + std::exp(-distance * h));
-    const auto below = std::clamp(static_cast<Index>(-std::log(size) / h), Index{0}, d - 1);
-    const double upper_size = std::exp(-static_cast<double>(below) * h);
-    const double lower_size = upper_size * std::exp(-h);
-    return {below, std::clamp((size - lower_size) / (upper_size - lower_size), 0.0, 1.0)};
+double checked_total(const LogGrid& grid, const std::vector<Ridge>& ridges) {
+    double total = 0.0;
+    for (std::size_t r = 0; r < ridges.size(); ++r) {
+        const Ridge& ridge = ridges[r];
+        require_resolved(grid, ridge.at, place_text("ridges", r, ".at"));
+        if (static_cast<Index>(ridge.mass.size()) != grid.bins()) {
+            throw ShapeError(place_text("ridges", r, ".mass") + " has " + std::to_string(ridge.mass.size()) +
+                             " entries; the grid has " + std::to_string(grid.bins()) + " bins");
+        }
+        for (std::size_t i = 0; i < ridge.mass.size(); ++i) {
+            require_share(ridge.mass[i], place_text("ridges", r, ".mass") + "[" + std::to_string(i) + "]");
+            total += ridge.mass[i];
+        }
+        const double in_bin = ridge.mass[static_cast<std::size_t>(grid.bin_of(ridge.at))];
+        require(ridge.above >= 0.0 && ridge.above <= in_bin, "above of a ridge", ridge.above,
+                "between 0 and the mass in the bin that holds its exact size");
+    }
+    return total;
 }
 
 }  // namespace
 
-Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::optional<double> settled_at,
-               Mean mean) {
+std::vector<PointMass> exact_sizes(const std::vector<Atom>& atoms, const std::vector<Ridge>& ridges) {
+    std::vector<PointMass> sizes;
+    for (const Atom& atom : atoms) sizes.push_back({atom.psi, atom.mass});
+    for (const Ridge& ridge : ridges) {
+        if (ridge.exact != Axis::grain) continue;
+        sizes.push_back({ridge.at, std::accumulate(ridge.mass.begin(), ridge.mass.end(), 0.0)});
+    }
+    std::stable_sort(sizes.begin(), sizes.end(),
+                     [](const PointMass& a, const PointMass& b) { return a.psi < b.psi; });
+    std::vector<PointMass> merged;
+    for (const PointMass& size : sizes) {
+        if (merged.empty() || merged.back().psi != size.psi) merged.push_back({size.psi, 0.0});
+        merged.back().mass += size.mass;
+    }
+    return merged;
+}
+
+std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread,
+                                const std::vector<PointMass>& points) {
+    for (const PointMass& point : points)
+        spread[static_cast<std::size_t>(grid.bin_of(point.psi))] += point.mass;
+    return spread;
+}
+
+Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::vector<Atom> atoms,
+               std::optional<double> settled_at, Mean mean, std::vector<Ridge> ridges) {
     const Index bins = grid.bins();
     if (static_cast<Index>(probability.size()) != bins * bins) {
         throw ShapeError("probability has " + std::to_string(probability.size()) +
                          " entries; the grid needs shape " + shape_text(bins, bins));
     }
     if (settled_at) require_stress_ratio(*settled_at);
-    std::vector<double> grainsize(static_cast<std::size_t>(bins));
+    std::vector<double> rows(static_cast<std::size_t>(bins));
     for (Index i = 0; i < bins; ++i) {
         const ConstLine row(probability.data() + i * bins, bins);
         for (Index j = 0; j < bins; ++j) {
-            require_share(std::isfinite(row[j]) && row[j] >= 0.0,
-                          "probability[" + std::to_string(i) + ", " + std::to_string(j) + "]", row[j]);
+            if (std::isfinite(row[j]) && row[j] >= 0.0) continue;
+            require_share(row[j], "probability[" + std::to_string(i) + ", " + std::to_string(j) + "]");
         }
-        grainsize[static_cast<std::size_t>(i)] = row.sum();
+        rows[static_cast<std::size_t>(i)] = row.sum();
     }
-    require_whole(std::accumulate(grainsize.begin(), grainsize.end(), 0.0), "probability");
-    data_ = std::make_shared<const Data>(
-        Data{grid, std::move(probability), std::move(grainsize), settled_at, mean});
+    double total = std::accumulate(rows.begin(), rows.end(), 0.0);
+    total += checked_total(grid, atoms) + checked_total(grid, ridges);
+    require_whole(total,
+                  atoms.empty() && ridges.empty() ? "probability" : "probability, atoms and ridges together");
+
+    std::vector<double> spread = rows;
+    for (const Ridge& ridge : ridges) {
+        if (ridge.exact == Axis::neighbour) Line(spread.data(), bins) += ConstLine(ridge.mass.data(), bins);
+    }
+    std::vector<PointMass> points = exact_sizes(atoms, ridges);
+    std::vector<double> grainsize = with_points(grid, spread, points);
+    data_ = std::make_shared<const Data>(Data{grid, std::move(probability), std::move(atoms),
+                                              std::move(ridges), settled_at, mean, std::move(rows),
+                                              std::move(spread), std::move(points), std::move(grainsize)});
 }
 
 MatrixView<const double> Fabric::probability() const {
@@ -81,6 +126,15 @@ std::vector<double> Fabric::neighbourhood() const {
     const Index bins = grid().bins();
     std::vector<double> pmf(static_cast<std::size_t>(bins), 0.0);
     for (Index i = 0; i < bins; ++i) Line(pmf.data(), bins) += ConstLine(probability().row(i), bins);
+    for (const Atom& atom : atoms()) pmf[static_cast<std::size_t>(grid().bin_of(atom.psibar))] += atom.mass;
+    for (const Ridge& ridge : ridges()) {
+        const ConstLine mass(ridge.mass.data(), bins);
+        if (ridge.exact == Axis::grain) {
+            Line(pmf.data(), bins) += mass;
+        } else {
+            pmf[static_cast<std::size_t>(grid().bin_of(ridge.at))] += mass.sum();
+        }
+    }
     return pmf;
 }
 
@@ -90,53 +144,31 @@ std::vector<double> Fabric::cdf() const {
     return finer;
 }
 
+Fabric Fabric::binned() const {
+    if (atoms().empty() && ridges().empty()) return *this;
+    const Index bins = grid().bins();
+    std::vector<double> p = data_->probability;
+    const auto put = [&](Index i, Index j, double mass) {
+        p[static_cast<std::size_t>(i * bins + j)] += mass;
+    };
+    for (const Atom& atom : atoms()) put(grid().bin_of(atom.psi), grid().bin_of(atom.psibar), atom.mass);
+    for (const Ridge& ridge : ridges()) {
+        const Index at = grid().bin_of(ridge.at);
+        for (Index i = 0; i < bins; ++i) {
+            const double mass = ridge.mass[static_cast<std::size_t>(i)];
+            ridge.exact == Axis::grain ? put(at, i, mass) : put(i, at, mass);
+        }
+    }
+    const std::vector<double>& marginal = data_->grainsize;
+    return FabricAccess::make(
+        {grid(), std::move(p), {}, {}, std::nullopt, mean(), marginal, marginal, {}, marginal});
+}
+
 bool operator==(const Fabric& a, const Fabric& b) {
-    return a.grid() == b.grid() && a.mean() == b.mean() && a.settled_at() == b.settled_at() &&
-           a.data_->probability == b.data_->probability;
-}
-
-std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const double> grainsize, Mean mean) {
-    const Index bins = grid.bins();
-    if (grainsize.size() != bins) {
-        throw ShapeError("grainsize has " + std::to_string(grainsize.size()) + " entries; the grid has " +
-                         std::to_string(bins) + " bins");
-    }
-    std::vector<double> pmf(static_cast<std::size_t>(bins), 0.0);
-    for (Index d = 0; d < bins; ++d) {
-        const MeanPlace place = place_of_mean(grid.spacing(), d, mean);
-        const double ways = d == 0 ? 1.0 : 2.0;
-        const Index pairs = bins - d;  // the smaller one in bin 0 .. pairs - 1
-        const auto weight =
-            ways * ConstLine(grainsize.data(), pairs) * ConstLine(grainsize.data() + d, pairs);
-        Line(pmf.data() + d - place.bins, pairs) += place.upper * weight;
-        if (place.upper < 1.0) Line(pmf.data() + d - place.bins - 1, pairs) += (1.0 - place.upper) * weight;
-    }
-    return pmf;
-}
-
-Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mean) {
-    for (std::size_t i = 0; i < grainsize.size(); ++i) {
-        require_share(std::isfinite(grainsize[i]) && grainsize[i] >= 0.0,
-                      "grainsize[" + std::to_string(i) + "]", grainsize[i]);
-    }
-    require_whole(std::accumulate(grainsize.begin(), grainsize.end(), 0.0), "grainsize");
-    std::vector<double> neighbours = neighbourhood_pmf(grid, grainsize, mean);
-    const double pairs = std::accumulate(neighbours.begin(), neighbours.end(), 0.0);
-    for (double& share : neighbours) share /= pairs;  // the product then adds up to what the grains do
-    const Index bins = grid.bins();
-    std::vector<double> probability(static_cast<std::size_t>(bins * bins));
-    for (Index i = 0; i < bins; ++i) {
-        Line(probability.data() + i * bins, bins) =
-            grainsize[static_cast<std::size_t>(i)] * ConstLine(neighbours.data(), bins);
-    }
-    // The given marginal is kept as it is, not summed anew: remixing a mixed fabric then gives the same bits.
-    return Fabric(std::make_shared<const Fabric::Data>(
-        Fabric::Data{grid, std::move(probability), std::move(grainsize), std::nullopt, mean}));
-}
-
-Fabric remix(const Fabric& fabric) {
-    const VectorView<const double> grainsize = fabric.grainsize();
-    return mixed_fabric(fabric.grid(), {grainsize.begin(), grainsize.end()}, fabric.mean());
+    return a.data_ == b.data_ ||
+           (a.grid() == b.grid() && a.mean() == b.mean() && a.settled_at() == b.settled_at() &&
+            a.data_->probability == b.data_->probability && a.atoms() == b.atoms() &&
+            a.ridges() == b.ridges());
 }
 
 }  // namespace comminute

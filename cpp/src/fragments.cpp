@@ -20,19 +20,6 @@ void require_positive(const char* parameter, double value) {
     require(value > 0.0 && value < infinity, parameter, value, "greater than 0 and finite");
 }
 
-FragmentPmf paper_pmf(const FragmentLaw& law, double h, Index bins) {
-    FragmentPmf pmf;
-    pmf.mass.assign(static_cast<std::size_t>(bins), 0.0);
-    pmf.below.assign(static_cast<std::size_t>(bins), 1.0);
-    const auto cdf = [&](double r) { return std::visit([r](const auto& l) { return l.cdf(r); }, law); };
-    for (std::size_t m = 1; m < pmf.mass.size(); ++m) {
-        const double above = cdf(-static_cast<double>(m - 1) * h);
-        pmf.below[m] = above;
-        pmf.mass[m] = above - cdf(-static_cast<double>(m) * h);
-    }
-    return pmf;
-}
-
 // Mean over the bin [lower, lower + h] in r of weight(u) times the law's density or cdf, u = (r - lower) / h, split
 // where those have kinks. In u, not in r, since far down the tail r/h has no digits left for the weight.
 template <class Law, class F>
@@ -54,6 +41,22 @@ template <class Law>
 std::vector<double> kinks_of(const Law& law) {
     if constexpr (requires { law.kinks(); }) return law.kinks();
     return {};
+}
+
+// Integrals of the density, since differences of the cdf lose digits where bins are narrow.
+template <class Law>
+FragmentPmf paper_pmf(const Law& law, double h, Index bins) {
+    FragmentPmf pmf;
+    pmf.mass.assign(static_cast<std::size_t>(bins), 0.0);
+    pmf.below.assign(static_cast<std::size_t>(bins), 1.0);
+    const std::vector<double> kinks = kinks_of(law);
+    for (std::size_t m = 1; m < pmf.mass.size(); ++m) {
+        const auto depth = static_cast<double>(m);
+        const auto density = [&](double u) { return law.pdf((u - depth) * h); };
+        pmf.mass[m] = h * mean_over_bin(law, kinks, -depth * h, h, density);
+        pmf.below[m] = law.cdf((1.0 - depth) * h);
+    }
+    return pmf;
 }
 
 // f_m is the hat-weighted density around -m h; what lies at m or beyond is the cdf averaged over one bin.
@@ -132,7 +135,8 @@ double LogNormalFragments::cdf(double r) const {
 }
 
 double LogNormalFragments::smooth_length() const {
-    return sd_log;
+    // cut off far below its mean the law is all flank, as steep as exp(r mean_log / sd_log^2)
+    return sd_log / std::max(1.0, mean_log / sd_log);
 }
 
 void LogNormalFragments::validate() const {
@@ -194,8 +198,12 @@ FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins, Fra
     std::visit([](const auto& l) { l.validate(); }, law);
     require_positive("spacing", spacing);
     require(bins >= 1, "bins", static_cast<double>(bins), "at least 1");
-    if (rule == FragmentRule::paper) return paper_pmf(law, spacing, bins);
-    return std::visit([&](const auto& l) { return conservative_pmf(l, spacing, bins); }, law);
+    return std::visit(
+        [&](const auto& l) {
+            return rule == FragmentRule::paper ? paper_pmf(l, spacing, bins)
+                                               : conservative_pmf(l, spacing, bins);
+        },
+        law);
 }
 
 }  // namespace comminute

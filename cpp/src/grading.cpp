@@ -52,6 +52,33 @@ double finest_fragment(const Material& material, double top, double max_stress_r
     return crushable - band - reach;
 }
 
+/// Where in bin i the cdf reaches `finer`: linear between its jumps.
+double inside_bin(const LogGrid& grid, Index i, double below, double above, double finer,
+                  const std::vector<PointMass>& points) {
+    double spread = above - below;
+    for (const PointMass& point : points) {
+        if (grid.bin_of(point.psi) == i) spread -= point.mass;
+    }
+    const double slope = std::max(spread, 0.0) / grid.spacing();
+    double psi = grid.edge(i);
+    double reached = below;
+    const auto rise_to = [&](double end) {
+        const double risen = slope * (end - psi);
+        if (reached + risen >= finer && risen > 0.0) return true;
+        reached += risen;
+        psi = end;
+        return false;
+    };
+    for (const PointMass& point : points) {
+        if (grid.bin_of(point.psi) != i) continue;
+        if (rise_to(point.psi)) break;
+        reached += point.mass;
+        if (reached >= finer - 1e-12) return point.psi;
+    }
+    return slope > 0.0 ? std::min(psi + std::max(finer - reached, 0.0) / slope, grid.edge(i + 1))
+                       : grid.edge(i + 1);
+}
+
 }  // namespace
 
 double PointMasses::finer(double size_at) const {
@@ -107,7 +134,11 @@ double Grading::smallest(double tail) const {
     // bisection in ln s; a tail that runs on for ever is bracketed by ever smaller sizes
     double high = std::log(largest());
     double low = smallest_size > 0.0 ? std::log(smallest_size) : high - 1.0;
-    while (finer(std::exp(low)) > tail) low -= 2.0 * (high - low);
+    const double least = std::log(std::numeric_limits<double>::min());
+    while (finer(std::exp(low)) > tail) {
+        if (low == least) return 0.0;  // that size is smaller than any number
+        low = std::max(low - 2.0 * (high - low), least);
+    }
     for (int halving = 0; halving < 60; ++halving) {
         const double middle = 0.5 * (low + high);
         (finer(std::exp(middle)) <= tail ? low : high) = middle;
@@ -207,8 +238,16 @@ Grading rosin_rammler(double d63, double exponent, std::optional<double> largest
     return {RosinRammlerGrading{d63, exponent, *largest}, "", std::move(notes)};
 }
 
-Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean) {
-    return mixed_fabric(grid, grading.on_grid(grid), mean);
+Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean, PointHandling points) {
+    std::vector<double> pmf = grading.on_grid(grid);
+    const auto* sizes = std::get_if<PointMasses>(&grading.law);
+    if (sizes == nullptr || points == PointHandling::binned) return mixed_fabric(grid, std::move(pmf), mean);
+    std::vector<PointMass> exact;
+    for (std::size_t q = 0; q < sizes->size.size(); ++q) {
+        exact.push_back({std::min(std::log(sizes->size[q]), grid.edge(grid.bins())), sizes->share[q]});
+    }
+    std::fill(pmf.begin(), pmf.end(), 0.0);
+    return mixed_fabric(grid, std::move(pmf), mean, std::move(exact));
 }
 
 LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,
@@ -228,7 +267,9 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
     const auto* points = std::get_if<PointMasses>(&grading.law);
     if (points != nullptr && points->size.size() > 1) {
         const double gap = top - std::log(points->size[points->size.size() - 2]);
-        h = gap / std::ceil(gap / h);
+        // sizes that differ by less than a bin of the largest grid share one
+        const double fitted = gap / std::ceil(gap / h);
+        if ((top - bottom) / fitted < static_cast<double>(most_bins)) h = fitted;
     }
     // a point mass lies on the last centre, a spread grading ends at the last edge
     const double psi_max = points != nullptr ? top : top - 0.5 * h;
@@ -236,7 +277,8 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
     return {psi_max - static_cast<double>(below_top) * h, psi_max, below_top + 1};
 }
 
-double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate) {
+double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate,
+                  const std::vector<PointMass>& points) {
     require(percent >= 0.0 && percent <= 100.0, "percent", percent, "between 0 and 100");
     if (cdf.size() != grid.bins()) {
         throw ShapeError("cdf has " + std::to_string(cdf.size()) + " entries; the grid has " +
@@ -260,9 +302,7 @@ double percentile(const LogGrid& grid, VectorView<const double> cdf, double perc
                              " % below a size of " + text(std::exp(grid.edge(1))) +
                              "; lower psi_min to resolve it, or pass extrapolate = true");
     }
-    const double below = cdf[i - 1];
-    const double fraction = *bin > below ? std::clamp((finer - below) / (*bin - below), 0.0, 1.0) : 1.0;
-    return std::exp(grid.edge(i) + fraction * grid.spacing());
+    return std::exp(inside_bin(grid, i, cdf[i - 1], *bin, finer, points));
 }
 
 }  // namespace comminute

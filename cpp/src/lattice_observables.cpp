@@ -96,7 +96,7 @@ Fabric LatticeState::fabric(const LogGrid& grid) const {
     }
     const double share = 1.0 / (static_cast<double>(cells()) * static_cast<double>(replicas()));
     for (double& mass : p) mass *= share;
-    return {grid, std::move(p), settled_at(), options_.mean};
+    return {grid, std::move(p), {}, settled_at(), options_.mean};
 }
 
 }  // namespace comminute

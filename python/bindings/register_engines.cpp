@@ -171,7 +171,7 @@ Examples
 --------
 >>> import comminute as cm
 >>> grid = cm.LogGrid(-12.0, 0.0, 121)
->>> start = cm.mixed_fabric(cm.monodisperse(1.0), grid)
+>>> start = cm.mixed_fabric(cm.monodisperse(1.0), grid, points="binned")
 >>> engine = cm.SlowUpdate(grid, cm.Material())
 >>> after = engine.settle(start.probability, 8.0)
 >>> float(after.sum().round(12)), bool(engine.report.steps > 1)
@@ -233,7 +233,7 @@ Examples
 --------
 >>> import comminute as cm
 >>> grid = cm.LogGrid(-12.0, 0.0, 121)
->>> start = cm.mixed_fabric(cm.monodisperse(1.0), grid)
+>>> start = cm.mixed_fabric(cm.monodisperse(1.0), grid, points="binned")
 >>> engine = cm.FullConvolution(grid, cm.Material(), "exact")
 >>> after = engine.step(start.probability, 8.0)
 >>> float(after.sum().round(12)), engine.report.crushed

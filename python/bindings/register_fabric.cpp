@@ -6,35 +6,188 @@ namespace {
 
 using namespace comminute;
 
-Fabric make_fabric(const LogGrid& grid, const py::object& probability, std::optional<double> settled_at,
-                   const std::string& mean) {
+std::vector<Atom> atoms_from(const py::object& list) {
+    std::vector<Atom> atoms;
+    for (const py::handle item : list) {
+        try {
+            atoms.push_back(item.cast<Atom>());
+        } catch (const py::cast_error&) {
+            throw py::type_error("atoms[" + std::to_string(atoms.size()) + "] is " +
+                                 std::string(py::repr(item)) + "; it must be an Atom or (psi, psibar, mass)");
+        }
+    }
+    return atoms;
+}
+
+Ridge make_ridge(const std::string& exact, double at, const py::object& mass, double above) {
+    const auto bins = py::isinstance<py::array>(mass) ? py::cast<py::array>(mass).size() : 0;
+    const auto m = strict_array(mass, {bins}, "mass");
+    return {choice_of<Axis>(exact), at, std::vector<double>(m.data(), m.data() + m.size()), above};
+}
+
+Fabric make_fabric(const LogGrid& grid, const py::object& probability, const py::object& atoms,
+                   std::optional<double> settled_at, const std::string& mean, std::vector<Ridge> ridges) {
     const auto p = strict_array(probability, {grid.bins(), grid.bins()}, "probability");
-    return {grid, std::vector<double>(p.data(), p.data() + p.size()), settled_at, choice_of<Mean>(mean)};
+    return {grid,
+            std::vector<double>(p.data(), p.data() + p.size()),
+            atoms_from(atoms),
+            settled_at,
+            choice_of<Mean>(mean),
+            std::move(ridges)};
+}
+
+py::iterator unpacked(const py::tuple& fields) {
+    return py::iter(fields);
+}
+
+void register_exact_masses(py::module_& m) {
+    py::class_<PointMass>(m, "PointMass", R"doc(Mass at one exact log size; unpacks to (psi, mass).
+
+Parameters
+----------
+psi : float
+    Log size.
+mass : float
+    Share of the mass.
+
+Examples
+--------
+>>> import comminute as cm
+>>> psi, mass = cm.mixed_fabric(cm.monodisperse(1.0), cm.LogGrid(-6.0, 0.0, 61)).points[0]
+>>> psi, mass
+(0.0, 1.0)
+)doc")
+        .def(py::init([](double psi, double mass) {
+                 return PointMass{psi, mass};
+             }),
+             py::arg("psi"), py::arg("mass"))
+        .def_readonly("psi", &PointMass::psi, "Log size.")
+        .def_readonly("mass", &PointMass::mass, "Share of the mass.")
+        .def("__iter__", [](const PointMass& p) { return unpacked(py::make_tuple(p.psi, p.mass)); })
+        .def(
+            "__eq__", [](const PointMass& a, const PointMass& b) { return a == b; }, py::is_operator())
+        .def("__repr__",
+             [](const PointMass& p) { return repr_of("PointMass", "psi", p.psi, "mass", p.mass); })
+        .def(py::pickle([](const PointMass& p) { return py::make_tuple(p.psi, p.mass); },
+                        [](const py::tuple& t) {
+                            return PointMass{t[0].cast<double>(), t[1].cast<double>()};
+                        }));
+
+    const auto make_atom = [](double psi, double psibar, double mass) { return Atom{psi, psibar, mass}; };
+    py::class_<Atom>(m, "Atom",
+                     R"doc(Mass at one exact place of the fabric; unpacks to (psi, psibar, mass).
+
+Grains of one size among neighbours of one mean size. All of it crushes, or none.
+
+Parameters
+----------
+psi, psibar : float
+    Log grainsize and log neighbourhood grainsize.
+mass : float
+    Share of the mass.
+
+Examples
+--------
+>>> import comminute as cm
+>>> [psi, psibar, mass] = cm.mixed_fabric(cm.monodisperse(1.0), cm.LogGrid(-6.0, 0.0, 61)).atoms[0]
+>>> psi, psibar, mass
+(0.0, 0.0, 1.0)
+)doc")
+        .def(py::init(make_atom), py::arg("psi"), py::arg("psibar"), py::arg("mass"))
+        .def(py::init([make_atom](const py::tuple& t) {
+            if (t.size() != 3) throw py::type_error("an atom is (psi, psibar, mass)");
+            return make_atom(t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>());
+        }))
+        .def_readonly("psi", &Atom::psi, "Log grainsize.")
+        .def_readonly("psibar", &Atom::psibar, "Log neighbourhood grainsize.")
+        .def_readonly("mass", &Atom::mass, "Share of the mass.")
+        .def("__iter__", [](const Atom& a) { return unpacked(py::make_tuple(a.psi, a.psibar, a.mass)); })
+        .def(
+            "__eq__", [](const Atom& a, const Atom& b) { return a == b; }, py::is_operator())
+        .def("__repr__",
+             [](const Atom& a) { return repr_of("Atom", "psi", a.psi, "psibar", a.psibar, "mass", a.mass); })
+        .def(py::pickle([](const Atom& a) { return py::make_tuple(a.psi, a.psibar, a.mass); },
+                        [make_atom](const py::tuple& t) {
+                            return make_atom(t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>());
+                        }));
+    py::implicitly_convertible<py::tuple, Atom>();
+
+    py::class_<Ridge>(m, "Ridge",
+                      R"doc(Mass with one of its two log sizes exact and the other spread over bins.
+
+What becomes of an atom once one of its two grains has crushed, or of exact sizes mixed with a spread
+grading.
+
+Parameters
+----------
+exact : {"grain", "neighbour"}
+    Which log size is exact: psi or psibar.
+at : float
+    Its value.
+mass : ndarray (N,)
+    Mass by bin of the other log size.
+above : float
+    Of the mass in the bin that holds `at`: the part larger than `at`.
+
+Examples
+--------
+>>> import comminute as cm
+>>> grid = cm.LogGrid(-6.0, 0.0, 61)
+>>> start = cm.mixed_fabric(cm.monodisperse(1.0), grid)
+>>> after = cm.QuasiStatic(grid, cm.Material()).solve(start, 1.0)
+>>> [(ridge.exact, ridge.at, float(ridge.mass.sum().round(12))) for ridge in after.ridges]
+[('grain', 0.0, 0.5), ('neighbour', 0.0, 0.5)]
+)doc")
+        .def(py::init(&make_ridge), py::arg("exact"), py::arg("at"), py::arg("mass"), py::arg("above") = 0.0)
+        .def_property_readonly(
+            "exact", [](const Ridge& r) { return word_of(r.exact); }, "\"grain\" or \"neighbour\".")
+        .def_readonly("at", &Ridge::at, "The exact log size.")
+        .def_property_readonly(
+            "mass", [](const Ridge& r) { return copied(r.mass); }, "(N,) mass by bin of the other log size.")
+        .def_readonly("above", &Ridge::above,
+                      "Of the mass in the bin that holds `at`: the part larger than `at`.")
+        .def(
+            "__eq__", [](const Ridge& a, const Ridge& b) { return a == b; }, py::is_operator())
+        .def("__repr__",
+             [](const Ridge& r) {
+                 return repr_of("Ridge", "exact", word_of(r.exact), "at", r.at, "bins", r.mass.size());
+             })
+        .def(py::pickle(
+            [](const Ridge& r) { return py::make_tuple(word_of(r.exact), r.at, copied(r.mass), r.above); },
+            [](const py::tuple& t) {
+                return make_ridge(t[0].cast<std::string>(), t[1].cast<double>(), t[2], t[3].cast<double>());
+            }));
 }
 
 }  // namespace
 
 void register_fabric(py::module_& m) {
+    register_exact_masses(m);
     py::class_<Fabric>(m, "Fabric",
                        R"doc(The grainsize fabric: mass by log grainsize and log neighbourhood grainsize.
 
+Most of it lies in bins. The point masses of a start stay exact until they crush, as atoms and ridges.
 Immutable.
 
 Parameters
 ----------
 grid : LogGrid
 probability : ndarray (N, N)
-    Shares of the mass [psi, psibar], float64 in C order, at least 0, adding up to 1 (to 1e-9).
-    Copied.
+    Shares of the mass [psi, psibar], float64 in C order, at least 0. Copied.
+atoms : sequence of Atom or (psi, psibar, mass)
+    Exact masses on top of it, inside the grid and above its fines bin.
 settled_at : float, optional
     Largest stress ratio under which this state is at rest; None: never loaded.
 mean : {"arithmetic", "geometric"}
     How two neighbours make a neighbourhood grainsize (Eq. 48 or 65), for `remix`.
+ridges : sequence of Ridge
+    Half-exact masses on top of both.
 
 Raises
 ------
 TypeError, ShapeError, ParameterError
-    For another dtype or shape, a negative entry, or another sum; the message gives the place.
+    For another dtype or shape, a negative entry, a place off the grid, or a total of all three other
+    than 1 (to 1e-9); the message gives the place.
 
 Examples
 --------
@@ -44,8 +197,9 @@ Examples
 >>> fabric.grainsize()[:2]
 array([0.0625, 0.0625])
 )doc")
-        .def(py::init(&make_fabric), py::arg("grid"), py::arg("probability"), py::kw_only(),
-             py::arg("settled_at") = py::none(), py::arg("mean") = "arithmetic")
+        .def(py::init(&make_fabric), py::arg("grid"), py::arg("probability"), py::arg("atoms") = py::tuple(),
+             py::kw_only(), py::arg("settled_at") = py::none(), py::arg("mean") = "arithmetic",
+             py::arg("ridges") = std::vector<Ridge>())
         .def_property_readonly("grid", &Fabric::grid, "The LogGrid.")
         .def_property_readonly("settled_at", &Fabric::settled_at,
                                "Largest stress ratio under which this state is at rest; None: never loaded.")
@@ -57,13 +211,20 @@ array([0.0625, 0.0625])
                 const auto view = self.cast<const Fabric&>().probability();
                 return read_only_view(view.data(), {view.rows(), view.cols()}, self);
             },
-            "(N, N) shares of the mass [psi, psibar]; a read-only view.")
+            "(N, N) the mass in bins [psi, psibar], without atoms and ridges; a read-only view.")
+        .def_property_readonly(
+            "atoms", [](const Fabric& f) { return f.atoms(); }, "List of Atom: mass at exact places.")
+        .def_property_readonly(
+            "ridges", [](const Fabric& f) { return f.ridges(); }, "List of Ridge: half-exact mass.")
+        .def_property_readonly(
+            "points", [](const Fabric& f) { return f.points(); },
+            "List of PointMass, fine to coarse: the exact sizes in `grainsize`, where its cdf jumps.")
         .def(
             "grainsize",
             [](const Fabric& f) {
                 return copied({f.grainsize().begin(), f.grainsize().end()});
             },
-            "(N,) mass by grainsize, the marginal over psibar (Eq. 62).")
+            "(N,) mass by grainsize, the marginal over psibar (Eq. 62); exact sizes are in their bins.")
         .def(
             "neighbourhood", [](const Fabric& f) { return copied(f.neighbourhood()); },
             "(N,) mass by neighbourhood grainsize, the marginal over psi.")
@@ -71,20 +232,34 @@ array([0.0625, 0.0625])
             "cdf", [](const Fabric& f) { return copied(f.cdf()); },
             "(N,) mass fraction finer than the upper edge of each bin.")
         .def(
+            "binned", &Fabric::binned,
+            R"doc(The same with every atom and ridge in the bin that holds it, for engines that know bins only.
+
+Never loaded (`settled_at` None) where that moved any mass, since bins are not tested as points are.
+
+Examples
+--------
+>>> import comminute as cm
+>>> fabric = cm.mixed_fabric(cm.monodisperse(1.0), cm.LogGrid(-6.0, 0.0, 61))
+>>> float(fabric.probability.sum()), float(fabric.binned().probability.sum())
+(0.0, 1.0)
+)doc")
+        .def(
             "__eq__", [](const Fabric& a, const Fabric& b) { return a == b; }, py::is_operator())
         .def("__repr__",
              [](const Fabric& f) {
-                 return repr_of("Fabric", "grid", f.grid(), "settled_at", f.settled_at(), "mean",
-                                word_of(f.mean()));
+                 return repr_of("Fabric", "grid", f.grid(), "atoms", f.atoms().size(), "ridges",
+                                f.ridges().size(), "settled_at", f.settled_at(), "mean", word_of(f.mean()));
              })
         .def(py::pickle(
             [](const py::object& self) {
                 const auto& f = self.cast<const Fabric&>();
-                return py::make_tuple(f.grid(), self.attr("probability"), f.settled_at(), word_of(f.mean()));
+                return py::make_tuple(f.grid(), self.attr("probability"), f.atoms(), f.settled_at(),
+                                      word_of(f.mean()), f.ridges());
             },
             [](const py::tuple& t) {
-                return make_fabric(t[0].cast<LogGrid>(), t[1], t[2].cast<std::optional<double>>(),
-                                   t[3].cast<std::string>());
+                return make_fabric(t[0].cast<LogGrid>(), t[1], t[2], t[3].cast<std::optional<double>>(),
+                                   t[4].cast<std::string>(), t[5].cast<std::vector<Ridge>>());
             }));
 
     m.def(

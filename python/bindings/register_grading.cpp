@@ -361,15 +361,17 @@ void register_grading(py::module_& m) {
     register_makers(m);
     m.def(
         "mixed_fabric",
-        [](const Grading& grading, const LogGrid& grid, const std::string& mean) {
-            const Mean m_ = choice_of<Mean>(mean);
+        [](const Grading& grading, const LogGrid& grid, const std::string& mean, const std::string& points) {
+            const Mean how = choice_of<Mean>(mean);
+            const PointHandling handling = choice_of<PointHandling>(points);
             const py::gil_scoped_release release;
-            return mixed_fabric(grading, grid, m_);
+            return mixed_fabric(grading, grid, how, handling);
         },
         py::arg("grading"), py::arg("grid"), py::kw_only(), py::arg("mean") = "arithmetic",
+        py::arg("points") = "exact",
         R"doc(Completely mixed grains of a grading: neighbours independent of the grain (Eq. 64).
 
-Point masses sit at the centres of the bins that hold them; the fines bin stands for its centre.
+The fines bin stands for its centre.
 
 Parameters
 ----------
@@ -377,6 +379,9 @@ grading : Grading
 grid : LogGrid
 mean : {"arithmetic", "geometric"}
     How two neighbours make a neighbourhood grainsize: Eq. 48 or 65.
+points : {"exact", "binned"}
+    What becomes of the sizes of a monodisperse or gap-graded start: they stay exact, as atoms, until
+    they crush; or they go to the bins that hold them, for engines that know bins only.
 
 Returns
 -------
@@ -428,12 +433,14 @@ Examples
 )doc");
     m.def(
         "percentile",
-        [](const LogGrid& grid, const py::object& cdf, double percent, bool extrapolate) {
+        [](const LogGrid& grid, const py::object& cdf, double percent, bool extrapolate,
+           const std::vector<PointMass>& points) {
             const auto finer = strict_array(cdf, {grid.bins()}, "cdf");
             return percentile(grid, VectorView<const double>(finer.data(), finer.size()), percent,
-                              extrapolate);
+                              extrapolate, points);
         },
         py::arg("grid"), py::arg("cdf"), py::arg("percent"), py::kw_only(), py::arg("extrapolate") = false,
+        py::arg("points") = std::vector<PointMass>(),
         R"doc(Size D_x such that `percent` of the mass is finer.
 
 inf{d : F(d) >= percent / 100}, linear in ln d inside a bin; on a plateau this is its lower end.
@@ -447,6 +454,8 @@ percent : float
     In [0, 100].
 extrapolate : bool
     Continue a curve that ends in the fines bin as a power law through its two finest points.
+points : sequence of PointMass
+    Exact sizes that are part of `cdf`, fine to coarse: it jumps there, inside their bin.
 
 Returns
 -------

@@ -36,6 +36,37 @@ struct Words<comminute::Mean> {
 };
 
 template <>
+struct Words<comminute::Axis> {
+    static constexpr const char* parameter = "exact";
+    static constexpr std::array<std::pair<const char*, comminute::Axis>, 2> list{
+        {{"grain", comminute::Axis::grain}, {"neighbour", comminute::Axis::neighbour}}};
+};
+
+template <>
+struct Words<comminute::PointHandling> {
+    static constexpr const char* parameter = "points";
+    static constexpr std::array<std::pair<const char*, comminute::PointHandling>, 2> list{
+        {{"exact", comminute::PointHandling::exact}, {"binned", comminute::PointHandling::binned}}};
+};
+
+template <>
+struct Words<comminute::Scheme> {
+    static constexpr const char* parameter = "scheme";
+    static constexpr std::array<std::pair<const char*, comminute::Scheme>, 2> list{
+        {{"conservative", comminute::Scheme::conservative}, {"paper", comminute::Scheme::paper}}};
+};
+
+template <>
+struct Words<comminute::SolvePath> {
+    static constexpr const char* parameter = "path";
+    static constexpr std::array<std::pair<const char*, comminute::SolvePath>, 4> list{
+        {{"automatic", comminute::SolvePath::automatic},
+         {"direct", comminute::SolvePath::direct},
+         {"sums", comminute::SolvePath::sums},
+         {"blend", comminute::SolvePath::blend}}};
+};
+
+template <>
 struct Words<comminute::PlanEffort> {
     static constexpr const char* parameter = "effort";
     static constexpr std::array<std::pair<const char*, comminute::PlanEffort>, 2> list{

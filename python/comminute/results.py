@@ -11,7 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Fabric, LogGrid, Material, ParameterError, __version__, percentile
+from comminute._core import (
+    Fabric,
+    LogGrid,
+    Material,
+    ParameterError,
+    PointMass,
+    SolveReport,
+    StepReport,
+    __version__,
+    percentile,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,7 +51,7 @@ class Result:
     stress : ndarray (T,) or None
         The same as stresses, where first_crush_stress is known.
     pmf : ndarray (T, N)
-        Mass by bin after each load.
+        Mass by bin after each load; exact sizes are in their bins.
     crushes : ndarray (T,)
         Mean number of crushes a cell has been through since the start (crushes in psi; those whose
         fragment stays in its bin are counted).
@@ -57,6 +67,10 @@ class Result:
         Where the curves are not to be trusted.
     fabrics : tuple of Fabric or None
         Kept fabrics, one entry per load; see `fabric`.
+    points : tuple of tuple of PointMass
+        For each load, what of the mass is still at an exact size, fine to coarse: there the cdf jumps.
+    reports : tuple of SolveReport or StepReport
+        For each load, what its engine says: a solve since the last remixing, or the steps of this load.
 
     Examples
     --------
@@ -82,6 +96,8 @@ class Result:
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     fabrics: tuple[Fabric | None, ...] = field(default=())
+    points: tuple[tuple[PointMass, ...], ...] = field(default=())
+    reports: tuple[SolveReport | StepReport, ...] = field(default=())
 
     @property
     def psi(self) -> Floats:
@@ -127,7 +143,11 @@ class Result:
         ParameterError
             If D_x lies in the fines bin after some load.
         """
-        sizes = [percentile(self.grid, finer, percent, extrapolate=extrapolate) for finer in self.cdf]
+        points = self.points or ((),) * len(self.pmf)
+        sizes = [
+            percentile(self.grid, finer, percent, extrapolate=extrapolate, points=exact)
+            for finer, exact in zip(self.cdf, points, strict=True)
+        ]
         return np.array(sizes)
 
     def fabric(self, k: int) -> Fabric:
@@ -222,7 +242,7 @@ class Result:
         Notes
         -----
         The file has the arrays of this class by name, the fabric after the last kept load as
-        `fabric` (N, N), and `engine`, `scheme`, `unit`, `material` and `version` as text.
+        `fabric` (N, N) with all its mass in bins, and `engine`, `scheme`, `unit`, `material` and `version` as text.
         """
         target = Path(path)
         if target.suffix != ".npz":
@@ -233,7 +253,7 @@ class Result:
             arrays["stress"] = self.stress
         kept = [fabric for fabric in self.fabrics if fabric is not None]
         if kept:
-            arrays["fabric"] = kept[-1].probability
+            arrays["fabric"] = kept[-1].binned().probability
         texts = {"engine": self.engine, "scheme": self.scheme, "unit": self.unit}
         texts |= {"material": repr(self.material), "version": __version__}
         arrays |= {name: np.array(text) for name, text in texts.items()}

@@ -19,7 +19,11 @@ from comminute._core import (
     LogGrid,
     Material,
     ParameterError,
+    PointMass,
+    QuasiStatic,
     SlowUpdate,
+    SolveReport,
+    StepReport,
     fitting_grid,
     mixed_fabric,
     remix,
@@ -29,10 +33,11 @@ from comminute.results import Result
 Kind = Literal["slow", "exact", "fast", "blend"]
 Mean = Literal["arithmetic", "geometric"]
 Scheme = Literal["conservative", "paper"]
-EngineName = Literal["auto", "slow-update", "full-convolution"]
+EngineName = Literal["auto", "quasi-static", "slow-update", "full-convolution"]
 Floats = npt.NDArray[np.float64]
 
 FINES_LIMIT = 0.01
+ENGINES = ("auto", "quasi-static", "slow-update", "full-convolution")
 
 
 class ResolutionWarning(UserWarning):
@@ -113,52 +118,151 @@ def _kind_of(kind: Kind | None, rate: float) -> Kind:
     return kind
 
 
-class _Engines:
-    """Makes the stepping engine of each load, and keeps it for the loads that want the same."""
+def _engine_of(name: EngineName, kind: Kind, rate: float, *, steps: int | None) -> EngineName:
+    """Engine that takes one load, where it can."""
+    solvable = kind != "exact" and steps is None
+    if name == "auto":
+        if solvable:
+            return "quasi-static"
+        return "slow-update" if kind == "slow" else "full-convolution"
+    if name == "quasi-static" and kind == "exact":
+        raise ParameterError(
+            'engine "quasi-static" has no solve for kind "exact", whose outcome depends on the steps; '
+            'use engine "full-convolution" or "auto"'
+        )
+    if name == "quasi-static" and steps is not None:
+        raise ParameterError(
+            f'steps_per_load is {steps} but engine "quasi-static" takes no steps; leave steps_per_load at "rest", '
+            'or use engine "slow-update" or "full-convolution"'
+        )
+    if name == "slow-update" and kind != "slow":
+        raise ParameterError(
+            f'engine "slow-update" has the slow kernel only, and this load asks for kind "{kind}" '
+            f'(loading_rate {rate:g}); use engine "full-convolution" or "auto"'
+        )
+    return name
 
-    def __init__(self, grid: LogGrid, material: Material, scheme: Scheme, name: EngineName) -> None:
+
+@dataclass(frozen=True)
+class _Outcome:
+    """Grading after one load, and its fabric where that is wanted."""
+
+    grainsize: Floats
+    points: tuple[PointMass, ...]
+    crushed: float
+    report: SolveReport | StepReport
+    fabric: Fabric | None
+
+
+@dataclass
+class _Segment:
+    """Solves between two remixings or changes of rate: each load starts from the same fabric."""
+
+    solver: QuasiStatic
+    start: Fabric
+    crushed_before: float
+    largest: float = 0.0
+
+    def after(self, load: float, *, with_fabric: bool) -> _Outcome:
+        """Outcome of one more load; one solve for the largest so far, since the way there does not matter."""
+        self.largest = max(self.largest, load)
+        if with_fabric:
+            fabric = self.solver.solve(self.start, self.largest)
+            report = self.solver.report
+            crushed = self.crushed_before + report.crushed
+            return _Outcome(fabric.grainsize(), tuple(fabric.points), crushed, report, fabric)
+        after = self.solver.grading_after(self.start, self.largest)
+        crushed = self.crushed_before + after.report.crushed
+        return _Outcome(after.grainsize, tuple(after.points), crushed, after.report, None)
+
+
+class _Engines:
+    """Makes the engine of each load, and keeps it for the loads that want the same."""
+
+    def __init__(self, grid: LogGrid, material: Material, scheme: Scheme) -> None:
         self._grid = grid
         self._material = material
-        self._rule = scheme
-        self._name = name
-        self._made: dict[tuple[Kind, float], SlowUpdate | FullConvolution] = {}
+        self._scheme = scheme
+        self._steppers: dict[tuple[EngineName, Kind, float], SlowUpdate | FullConvolution] = {}
+        self._solvers: dict[float, QuasiStatic] = {}
         self.names: list[str] = []
 
-    def get(self, kind: Kind, rate: float) -> SlowUpdate | FullConvolution:
-        name = self._name
-        if name == "auto":
-            name = "slow-update" if kind == "slow" else "full-convolution"
-        if name == "slow-update" and kind != "slow":
-            raise ParameterError(
-                f'engine "slow-update" has the slow kernel only, and this load asks for kind "{kind}" '
-                f'(loading_rate {rate:g}); use engine "full-convolution" or "auto"'
-            )
+    def _note(self, name: EngineName) -> None:
         if name not in self.names:
             self.names.append(name)
+
+    def stepper(self, name: EngineName, kind: Kind, rate: float) -> SlowUpdate | FullConvolution:
+        self._note(name)
         rate = rate if kind == "blend" else 0.0
-        if (kind, rate) not in self._made:
-            self._made[kind, rate] = (
-                SlowUpdate(self._grid, self._material, fragment_rule=self._rule)
+        if (name, kind, rate) not in self._steppers:
+            self._steppers[name, kind, rate] = (
+                SlowUpdate(self._grid, self._material, fragment_rule=self._scheme)
                 if name == "slow-update"
-                else FullConvolution(self._grid, self._material, kind, loading_rate=rate, fragment_rule=self._rule)
+                else FullConvolution(self._grid, self._material, kind, loading_rate=rate, fragment_rule=self._scheme)
             )
-        return self._made[kind, rate]
+        return self._steppers[name, kind, rate]
+
+    def solver(self, rate: float) -> QuasiStatic:
+        self._note("quasi-static")
+        if rate not in self._solvers:
+            self._solvers[rate] = QuasiStatic(self._grid, self._material, self._scheme, rate)
+        return self._solvers[rate]
 
 
 @dataclass
 class _Records:
     """What a run writes down after each load."""
 
-    pmf: list[Floats] = field(default_factory=list)
-    crushes: list[float] = field(default_factory=list)
-    mass_error: list[float] = field(default_factory=list)
-    fabrics: list[Fabric | None] = field(default_factory=list)
+    outcomes: list[_Outcome] = field(default_factory=list)
+    kept: list[Fabric | None] = field(default_factory=list)
 
-    def add(self, fabric: Fabric, crushed: float, *, keep: bool) -> None:
-        self.pmf.append(fabric.grainsize())
-        self.crushes.append(crushed + (self.crushes[-1] if self.crushes else 0.0))
-        self.mass_error.append(math.fsum(self.pmf[-1]) - 1.0)
-        self.fabrics.append(fabric if keep else None)
+    def add(self, outcome: _Outcome, *, keep: bool) -> None:
+        self.outcomes.append(outcome)
+        self.kept.append(outcome.fabric if keep else None)
+
+
+class _Path:
+    """Walks a load path: what has been loaded so far, and how the next load is taken from there."""
+
+    def __init__(self, start: Fabric, engines: _Engines, steps: int | None) -> None:
+        self._fabric = start
+        self._engines = engines
+        self._steps = steps
+        self._crushed = 0.0
+        self._segment: _Segment | None = None
+
+    def load(self, name: EngineName, kind: Kind, rate: float, load: float, *, with_fabric: bool) -> _Outcome:
+        """Take the packing through one load."""
+        if name != "quasi-static":
+            self._close_segment()
+            return self._step(name, kind, rate, load)
+        solver = self._engines.solver(1.0 if kind == "fast" else rate)
+        if self._segment is None or self._segment.solver is not solver:
+            self._close_segment()
+            self._segment = _Segment(solver, self._fabric, self._crushed)
+        return self._segment.after(load, with_fabric=with_fabric)
+
+    def remix(self) -> None:
+        """Mix the packing anew."""
+        self._close_segment()
+        self._fabric = remix(self._fabric)
+
+    def _close_segment(self) -> None:
+        """Bring the fabric up to date before something starts from it."""
+        if self._segment is not None:
+            done = self._segment.after(0.0, with_fabric=True)
+            assert done.fabric is not None
+            self._fabric, self._crushed, self._segment = done.fabric, done.crushed, None
+
+    def _step(self, name: EngineName, kind: Kind, rate: float, load: float) -> _Outcome:
+        engine = self._engines.stepper(name, kind, rate)
+        before = self._fabric.binned()
+        p = engine.settle(before.probability, load, steps=self._steps)
+        # After a fixed number of steps some mass may still lie inside the zone: at rest under no known load.
+        settled = max(load, before.settled_at or 0.0) if self._steps is None else None
+        self._fabric = Fabric(before.grid, p, settled_at=settled, mean=before.mean)
+        self._crushed += engine.report.crushed
+        return _Outcome(self._fabric.grainsize(), (), self._crushed, engine.report, self._fabric)
 
 
 class Simulation:
@@ -262,12 +366,13 @@ class Simulation:
             Share of the fast kernel (Eq. 67), in [0, 1], one for all or one per load.
         remix_after : sequence of int
             Indices of loads after which the packing is remixed.
-        engine : {"auto", "slow-update", "full-convolution"}
-            "auto" takes the slow update wherever it does (slow kernel), else the full convolution.
+        engine : {"auto", "quasi-static", "slow-update", "full-convolution"}
+            "auto" takes the quasi-static solver wherever it is exact: every kernel but "exact", to rest.
+            Otherwise the slow update for the slow kernel, and the full convolution for the others.
         kind : {"slow", "exact", "fast", "blend"}, optional
-            Kernel of the time steps. Left out: slow, or the blend where a loading rate is given.
+            Kernel. Left out: slow, or the blend where a loading rate is given.
         steps_per_load : int or "rest"
-            Time steps at each load: a number, or as many as bring the state to rest.
+            For time-stepping engines, steps at each load: a number, or as many as bring the state to rest.
         keep_fabrics : {"all", "last"} or sequence of int
             For which loads `Result.fabric` is kept, N x N numbers each.
         on_load : callable, optional
@@ -290,37 +395,42 @@ class Simulation:
             If more than 1 % of the mass ends in the fines bin, or the crush zone reaches it.
         """
         path = _load_path(self.material, stress_ratio, stress, loading_rate, remix_after)
-        if engine not in ("auto", "slow-update", "full-convolution"):
-            raise ParameterError(f"engine is '{engine}'; it must be one of 'auto', 'slow-update', 'full-convolution'")
+        if engine not in ENGINES:
+            raise ParameterError(f"engine is '{engine}'; it must be one of {', '.join(map(repr, ENGINES))}")
         if steps_per_load != "rest" and not (isinstance(steps_per_load, int) and steps_per_load >= 1):
             raise ParameterError(f'steps_per_load is {steps_per_load!r}; it must be "rest" or a number of at least 1')
         fabric = self.initial_fabric(float(path.stress_ratio.max()))
-        engines = _Engines(fabric.grid, self.material, self.scheme, engine)
+        engines = _Engines(fabric.grid, self.material, self.scheme)
         wanted = _wanted(keep_fabrics, path.stress_ratio.size)
         steps = None if steps_per_load == "rest" else steps_per_load
+        rules = [_kind_of(kind, float(rate)) for rate in path.loading_rate]
+        names = [
+            _engine_of(engine, rule, float(rate), steps=steps)
+            for rule, rate in zip(rules, path.loading_rate, strict=True)
+        ]
         records = _Records()
-        start = fabric
+        walk = _Path(fabric, engines, steps)
         try:
             for k, load in enumerate(path.stress_ratio):
                 rate = float(path.loading_rate[k])
-                stepper = engines.get(_kind_of(kind, rate), rate)
-                fabric, crushed = _settled(fabric, float(load), stepper, steps)
-                records.add(fabric, crushed, keep=k in wanted)
+                outcome = walk.load(names[k], rules[k], rate, float(load), with_fabric=k in wanted)
+                records.add(outcome, keep=k in wanted)
                 if k in path.remix_after:
-                    fabric = remix(fabric)
+                    walk.remix()
                 if on_load is not None:
                     on_load(k)
         except KeyboardInterrupt:
-            done = len(records.pmf)
-            raise Interrupted(self._result(start, path, engines, records) if done else None) from None
-        result = self._result(start, path, engines, records)
+            done = len(records.outcomes)
+            raise Interrupted(self._result(fabric, path, engines, records) if done else None) from None
+        result = self._result(fabric, path, engines, records)
         for warning in result.warnings:
             warnings.warn(warning, ResolutionWarning, stacklevel=2)
         return result
 
     def _result(self, start: Fabric, path: LoadPath, engines: _Engines, records: _Records) -> Result:
-        done = len(records.pmf)
-        pmf = np.array(records.pmf)
+        done = len(records.outcomes)
+        pmf = np.array([outcome.grainsize for outcome in records.outcomes])
+        crushes = np.array([outcome.crushed for outcome in records.outcomes])
         ratios = path.stress_ratio[:done]
         unit = self.start.unit if isinstance(self.start, Grading) else ""
         assumed = self.start.notes if isinstance(self.start, Grading) else ()
@@ -332,24 +442,16 @@ class Simulation:
             stress_ratio=ratios,
             stress=None if path.stress is None else path.stress[:done],
             pmf=pmf,
-            crushes=np.array(records.crushes),
-            mass_error=np.array(records.mass_error),
+            crushes=crushes,
+            mass_error=np.array([math.fsum(row) - 1.0 for row in pmf]),
             engine=" + ".join(engines.names),
             scheme=self.scheme,
-            notes=(*assumed, *_explained(ratios, np.array(records.crushes))),
+            notes=(*assumed, *_explained(ratios, crushes)),
             warnings=tuple(_resolution_warnings(start.grid, self.material, ratios, pmf, unit)),
-            fabrics=tuple(records.fabrics),
+            fabrics=tuple(records.kept),
+            points=tuple(outcome.points for outcome in records.outcomes),
+            reports=tuple(outcome.report for outcome in records.outcomes),
         )
-
-
-def _settled(
-    fabric: Fabric, load: float, engine: SlowUpdate | FullConvolution, steps: int | None
-) -> tuple[Fabric, float]:
-    """Fabric after one load, and the mass that crushed in psi."""
-    p = engine.settle(fabric.probability, load, steps=steps)
-    # After a fixed number of steps some mass may still lie inside the zone: at rest under no known load.
-    settled = max(load, fabric.settled_at or 0.0) if steps is None else None
-    return Fabric(fabric.grid, p, settled_at=settled, mean=fabric.mean), engine.report.crushed
 
 
 def _wanted(keep: Literal["all", "last"] | Sequence[int], loads: int) -> frozenset[int]:

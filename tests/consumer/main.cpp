@@ -8,12 +8,15 @@ int main() {
     const auto grading = comminute::gap_graded(1.0, 0.1);
     const auto grid = comminute::fitting_grid(grading, material, 100.0, 0.1);
     const auto fabric = comminute::mixed_fabric(grading, grid);
-    const auto before = fabric.probability();
-    std::vector<double> state(before.data(), before.data() + before.rows() * before.cols());
-    comminute::SlowUpdate engine(grid, material);
-    const auto report = comminute::settle(engine, {state.data(), grid.bins(), grid.bins()}, 100.0);
-    const comminute::Fabric after(grid, state, 100.0);
+    comminute::QuasiStatic solver(grid, material);
+    comminute::SolveReport report;
+    const comminute::Fabric after = solver.solve(fabric, 100.0, &report);
     std::printf("comminute %s: %.3f crushes a cell, %.1f %% finer than 0.5\n", comminute::version,
                 report.crushed, 100.0 * after.cdf()[static_cast<std::size_t>(grid.bin_of(-0.7))]);
-    return report.crushed > 0.0 ? 0 : 1;
+    const auto binned = fabric.binned();
+    const auto before = binned.probability();
+    std::vector<double> state(before.data(), before.data() + before.rows() * before.cols());
+    comminute::SlowUpdate engine(grid, material);
+    const auto steps = comminute::settle(engine, {state.data(), grid.bins(), grid.bins()}, 100.0);
+    return report.crushed > 0.0 && steps.crushed > 0.0 ? 0 : 1;
 }

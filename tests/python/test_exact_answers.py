@@ -71,7 +71,7 @@ def test_truncated_exponential_moments_add_over_crushes() -> None:
 
 def test_a_monodisperse_packing_crushes_by_half_at_its_closed_threshold() -> None:
     grid, material = cm.LogGrid(-6.0, 1.0, 351), cm.Material()
-    start = cm.mixed_fabric(cm.monodisperse(1.0), grid)
+    start = cm.mixed_fabric(cm.monodisperse(1.0), grid, points="binned")
     engine = cm.SlowUpdate(grid, material)
     engine.step(start.probability, 1.0)
     assert engine.report.crushed == 0.5
@@ -94,8 +94,9 @@ def test_critical_stress_is_eq_2_and_g_crosses_g_star_there() -> None:
 def test_without_fabric_only_size_decides(bins: int) -> None:
     """Fabric off, uniform fragments: s/s_c ~ U(0, 1), s_c = s_max sigma*^(-w/3), and 1 + ln(s/s_c) crushes.
 
-    With s_c on a bin edge the sizes are exact on the grid. The count is not: settled mass speaks for its bin
-    by the centre, whose mean below s_c is (h/2) coth(h/2) instead of 1.
+    With s_c on a bin edge the sizes are exact on the grid. The count is not, since bins speak for their mass by
+    their centre: the mean drop to the first fragments is (h/2) / sinh(h/2) instead of 1, and that of the settled
+    sizes below s_c is (h/2) coth(h/2).
     """
     h = 13.0 / (bins - 1)
     grid = cm.LogGrid(-13.0 + h / 2, h / 2, bins)
@@ -105,5 +106,5 @@ def test_without_fabric_only_size_decides(bins: int) -> None:
     below = result.edge_size <= math.exp(-3.0) * (1 + 1e-9)
     assert below.sum() == (bins - 1) * 10 / 13
     np.testing.assert_allclose(result.cdf[0][below], result.edge_size[below] * math.exp(3.0), rtol=0.0, atol=1e-13)
-    expected = 3.0 + h / 2 + (h / 2) / math.tanh(h / 2)
+    expected = 1.0 + 3.0 + h / 2 - (h / 2) / math.sinh(h / 2) + (h / 2) / math.tanh(h / 2)
     assert result.crushes[0] == pytest.approx(expected, abs=math.exp(-10.0))  # what lies in the fines bin

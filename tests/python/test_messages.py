@@ -169,7 +169,7 @@ RUNS: list[tuple[Callable[[], object], str]] = [
     ),
     (
         lambda: simulate(stress_ratio=1, engine="quasi"),
-        "engine is 'quasi'; it must be one of 'auto', 'slow-update', 'full-convolution'",
+        "engine is 'quasi'; it must be one of 'auto', 'quasi-static', 'slow-update', 'full-convolution'",
     ),
     (
         lambda: simulate(stress_ratio=1, engine="slow-update", loading_rate=0.2),

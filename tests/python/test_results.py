@@ -79,7 +79,7 @@ def test_save_keeps_every_array(result: cm.Result, tmp_path: Path) -> None:
         for name in ("stress_ratio", "stress", "psi", "size", "edge_size", "pmf", "cdf", "crushes", "fines"):
             np.testing.assert_array_equal(file[name], getattr(result, name))
         np.testing.assert_array_equal(file["fabric"], result.fabric(-1).probability)
-        assert str(file["engine"]) == "slow-update"
+        assert str(file["engine"]) == "quasi-static"
         assert str(file["unit"]) == "mm"
     assert [p.name for p in tmp_path.iterdir()] == ["run.npz"]
 
@@ -96,7 +96,7 @@ def test_to_xarray(result: cm.Result) -> None:
     np.testing.assert_array_equal(data["pmf"], result.pmf)
     np.testing.assert_array_equal(data.coords["stress"], result.stress)
     assert data.coords["size"].attrs["units"] == "mm"
-    assert data.attrs["engine"] == "slow-update"
+    assert data.attrs["engine"] == "quasi-static"
 
 
 def test_percentiles_of_a_result(result: cm.Result) -> None:

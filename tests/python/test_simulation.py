@@ -28,13 +28,48 @@ def test_results_have_the_promised_shapes(start: cm.Fabric) -> None:
     assert result.stress is not None
     np.testing.assert_array_equal(result.stress, 1.5 * np.array(LOADS))
     np.testing.assert_allclose(result.edge_size, result.size * np.exp(start.grid.spacing / 2))
+    assert len(result.points) == len(result.reports) == 4
     assert np.abs(result.mass_error).max() < 1e-13
     assert result.percentile(50).shape == (4,)
     assert result.fabric(3).settled_at == 100.0
 
 
-def test_each_load_gives_what_the_engine_gives_by_hand(start: cm.Fabric) -> None:
+def test_each_load_gives_what_the_solver_gives_by_hand(start: cm.Fabric) -> None:
     result = cm.Simulation(MATERIAL, start).run(stress_ratio=LOADS)
+    assert result.engine == "quasi-static"
+    solver = cm.QuasiStatic(start.grid, MATERIAL)
+    for k, load in enumerate(LOADS):
+        assert result.fabric(k) == solver.solve(start, load)
+        assert result.reports[k] == solver.report
+        assert result.crushes[k] == solver.report.crushed
+        np.testing.assert_array_equal(result.pmf[k], result.fabric(k).grainsize())
+
+
+def test_gradings_need_no_fabric(start: cm.Fabric) -> None:
+    """Loads whose fabric nobody keeps are solved for their marginal alone; remixing still starts from the fabric."""
+    sim = cm.Simulation(MATERIAL, start)
+    loads = [1.0, 8.0, 2.0, 8.0, 100.0]
+    kept = sim.run(stress_ratio=loads, remix_after=[2], keep_fabrics="all")
+    lean = sim.run(stress_ratio=loads, remix_after=[2], keep_fabrics=[])
+    np.testing.assert_allclose(lean.pmf, kept.pmf, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(lean.crushes, kept.crushes, rtol=1e-13)
+    with pytest.raises(cm.ParameterError, match="the fabric after load 4 was not kept"):
+        lean.fabric(4)
+
+
+def test_a_loading_rate_of_its_own_for_each_load_starts_from_where_the_last_one_left(start: cm.Fabric) -> None:
+    result = cm.Simulation(MATERIAL, start).run(stress_ratio=LOADS, loading_rate=[0.0, 0.5, 0.5, 0.2])
+    fabric, crushed = start, 0.0
+    for load, rate in ((1.0, 0.0), (8.0, 0.5), (100.0, 0.2)):
+        solver = cm.QuasiStatic(start.grid, MATERIAL, loading_rate=rate)
+        fabric = solver.solve(fabric, load)
+        crushed += solver.report.crushed
+    np.testing.assert_allclose(result.pmf[-1], fabric.grainsize(), rtol=0.0, atol=1e-15)
+    assert result.crushes[-1] == pytest.approx(crushed, rel=1e-13)
+
+
+def test_each_load_gives_what_the_stepping_engine_gives_by_hand(start: cm.Fabric) -> None:
+    result = cm.Simulation(MATERIAL, start).run(stress_ratio=LOADS, engine="slow-update")
     engine = cm.SlowUpdate(start.grid, MATERIAL, fragment_rule="conservative")
     p, crushed = start.probability.copy(), 0.0
     for k, load in enumerate(LOADS):
@@ -83,15 +118,27 @@ def test_a_loading_rate_blends_in_the_fast_kernel(start: cm.Fabric) -> None:
     slow = sim.run(stress_ratio=LOADS)
     np.testing.assert_array_equal(result.pmf[:2], slow.pmf[:2])
     assert result.crushes[3] > slow.crushes[3]
-    assert result.engine == "slow-update + full-convolution"
+    assert result.engine == "quasi-static"
+    assert [report.path for report in result.reports[2:]] == ["blend", "blend"]  # type: ignore[union-attr]
     fast = sim.run(stress_ratio=LOADS, loading_rate=1.0)
-    np.testing.assert_allclose(fast.pmf, sim.run(stress_ratio=LOADS, kind="fast").pmf, rtol=0.0, atol=1e-14)
+    np.testing.assert_array_equal(fast.pmf, sim.run(stress_ratio=LOADS, kind="fast").pmf)
+
+
+def test_auto_never_solves_for_the_exact_kernel(start: cm.Fabric) -> None:
+    sim = cm.Simulation(MATERIAL, start)
+    assert sim.run(stress_ratio=LOADS, kind="exact").engine == "full-convolution"
+    assert sim.run(stress_ratio=LOADS, kind="fast").engine == "quasi-static"
+    assert sim.run(stress_ratio=LOADS, steps_per_load=3).engine == "slow-update"
+    with pytest.raises(cm.ParameterError, match='engine "quasi-static" has no solve for kind "exact"'):
+        sim.run(stress_ratio=LOADS, kind="exact", engine="quasi-static")
+    with pytest.raises(cm.ParameterError, match='steps_per_load is 3 but engine "quasi-static" takes no steps'):
+        sim.run(stress_ratio=LOADS, steps_per_load=3, engine="quasi-static")
 
 
 def test_a_number_of_steps_stops_before_rest(start: cm.Fabric) -> None:
     sim = cm.Simulation(MATERIAL, start)
     few = sim.run(stress_ratio=LOADS, steps_per_load=1)
-    rest = sim.run(stress_ratio=LOADS)
+    rest = sim.run(stress_ratio=LOADS, engine="slow-update")
     assert np.all(few.crushes[1:] < rest.crushes[1:])
     assert few.fabric(0).settled_at is None
 

@@ -13,6 +13,7 @@
 #include "comminute/kernel.hpp"
 #include "comminute/lattice.hpp"
 #include "comminute/material.hpp"
+#include "comminute/quasi_static.hpp"
 #include "comminute/settle.hpp"
 #include "comminute/slow_update.hpp"
 #include "comminute/version.hpp"

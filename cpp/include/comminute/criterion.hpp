@@ -76,6 +76,9 @@ class CrushZones {
         return i > j ? Zone::grain : Zone::neighbour;
     }
 
+    /// Whether the larger grain of a pair at an exact place crushes, or either of two equal ones: the slow zone.
+    bool active(double psi, double psibar) const;
+
     /// (N, N) one byte a cell. @throws ShapeError
     void fill(MatrixView<std::uint8_t> zones) const;
 

@@ -15,7 +15,44 @@ enum class Mean {
     geometric,   ///< mean of the log sizes (Eq. 65)
 };
 
+/// Mass at one exact log size.
+struct PointMass {
+    double psi;
+    double mass;
+    friend bool operator==(const PointMass& a, const PointMass& b) {
+        return a.psi == b.psi && a.mass == b.mass;
+    }
+};
+
+/// Mass at one exact place of the fabric: grains of one size among neighbours of one mean size.
+struct Atom {
+    double psi;
+    double psibar;
+    double mass;
+    friend bool operator==(const Atom& a, const Atom& b) {
+        return a.psi == b.psi && a.psibar == b.psibar && a.mass == b.mass;
+    }
+};
+
+/// Which of the two log sizes a ridge holds at an exact value.
+enum class Axis { grain, neighbour };
+
+/// Mass with one of its two log sizes exact and the other spread over bins: what becomes of an atom once one of its two
+/// grains has crushed, or of point masses mixed with a spread grading.
+struct Ridge {
+    Axis exact;                ///< the log size that is exact
+    double at;                 ///< its value
+    std::vector<double> mass;  ///< (N) by bin of the other log size
+    double above = 0.0;        ///< of the mass in the bin that holds `at`: the part larger than `at`
+    friend bool operator==(const Ridge& a, const Ridge& b) {
+        return a.exact == b.exact && a.at == b.at && a.mass == b.mass && a.above == b.above;
+    }
+};
+
 /// The grainsize fabric: shares of the mass by log grainsize psi and log neighbourhood grainsize psibar.
+///
+/// Most of it lies in bins. Point masses of a start (one size, a few sizes) are kept exact until they crush, as atoms
+/// and ridges, since smeared over a bin only a part of them would lie in a narrow crush zone.
 ///
 /// Immutable; copies share their numbers, so passing one by value is cheap and safe between threads.
 ///
@@ -28,36 +65,54 @@ enum class Mean {
 /// @endcode
 class Fabric {
   public:
-    /// @param probability  (N*N) row after row, [psi, psibar], entries >= 0 that add up to 1 (to 1e-9)
+    /// @param probability  (N*N) row after row, [psi, psibar], entries >= 0
+    /// @param atoms        exact masses on top of it, inside the grid and above its fines bin
     /// @param settled_at   largest stress ratio under which this state is at rest; none: never loaded
-    /// @throws ShapeError for another size; ParameterError for a negative or non-finite entry (its place is
-    /// given),
-    ///         another sum, or a bad stress ratio
-    Fabric(const LogGrid& grid, std::vector<double> probability,
-           std::optional<double> settled_at = std::nullopt, Mean mean = Mean::arithmetic);
+    /// @param ridges       half-exact masses on top of it
+    /// @throws ShapeError for another size; ParameterError for a negative or non-finite entry (its place is given), a
+    ///         total of all three other than 1 (to 1e-9), a place off the grid, or a bad stress ratio
+    Fabric(const LogGrid& grid, std::vector<double> probability, std::vector<Atom> atoms = {},
+           std::optional<double> settled_at = std::nullopt, Mean mean = Mean::arithmetic,
+           std::vector<Ridge> ridges = {});
 
     const LogGrid& grid() const { return data_->grid; }
     Mean mean() const { return data_->mean; }
     std::optional<double> settled_at() const { return data_->settled_at; }
 
+    /// (N, N) the mass in bins; atoms and ridges are not in it.
     MatrixView<const double> probability() const;
-    /// (N) mass by grainsize, the marginal over psibar (Eq. 62).
+    const std::vector<Atom>& atoms() const { return data_->atoms; }
+    const std::vector<Ridge>& ridges() const { return data_->ridges; }
+
+    /// (N) mass by grainsize, the marginal over psibar (Eq. 62); atoms and ridges are in the bins that hold them.
     VectorView<const double> grainsize() const { return data_->grainsize; }
+    /// The exact sizes in that marginal, fine to coarse: where its cdf jumps.
+    const std::vector<PointMass>& points() const { return data_->points; }
     /// (N) mass by neighbourhood grainsize, the marginal over psi.
     std::vector<double> neighbourhood() const;
     /// (N) mass fraction finer than the upper edge of each bin.
     std::vector<double> cdf() const;
 
+    /// The same with every atom and ridge in the bin that holds it, for engines that know bins only. Never loaded
+    /// where that moved any mass, since bins are not tested as points are.
+    Fabric binned() const;
+
     friend bool operator==(const Fabric& a, const Fabric& b);
-    friend Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mean);
 
   private:
+    friend class FabricAccess;
     struct Data {
         LogGrid grid;
         std::vector<double> probability;
-        std::vector<double> grainsize;
+        std::vector<Atom> atoms;
+        std::vector<Ridge> ridges;
         std::optional<double> settled_at;
         Mean mean;
+        // Marginals over psi, carried along so that no solve or remixing sums the state again.
+        std::vector<double> rows;       // of `probability`
+        std::vector<double> spread;     // and of the ridges that spread over psi
+        std::vector<PointMass> points;  // of atoms and of the other ridges
+        std::vector<double> grainsize;  // of all
     };
     explicit Fabric(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
 
@@ -80,11 +135,15 @@ class Fabric {
 std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const double> grainsize, Mean mean);
 
 /// Complete mixing (Eq. 64): neighbours independent of the grain. Never loaded.
-/// @param grainsize  (N) mass by bin, entries >= 0 that add up to 1 (to 1e-9)
-/// @throws ShapeError, ParameterError
-Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mean = Mean::arithmetic);
+///
+/// Two exact sizes have an exact mean and make an atom; an exact size beside a bin makes a ridge.
+/// @param grainsize  (N) mass by bin, entries >= 0
+/// @param points     exact sizes on top of it, inside the grid; those in its fines bin join it
+/// @throws ShapeError; ParameterError for a bad entry, a size above the grid, or a total other than 1 (to 1e-9)
+Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mean = Mean::arithmetic,
+                    std::vector<PointMass> points = {});
 
-/// The same grains, mixed anew; forgets the load, since grains meet new neighbours.
+/// The same grains, mixed anew; forgets the load, since grains meet new neighbours. Exact sizes stay exact.
 Fabric remix(const Fabric& fabric);
 
 }  // namespace comminute

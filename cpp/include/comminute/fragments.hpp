@@ -119,4 +119,29 @@ struct FragmentPmf {
 /// @endcode
 FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins, FragmentRule rule);
 
+/// The tail of a fragment pmf as a sum of powers: f_m = sum_a coefficient[a] ratio[a]^(m - head) for m > head >= 0.
+///
+/// A convolution with such a tail is one running sum a term. A Weibull cdf is an entire function of X^kappa and has a
+/// short accurate sum; one of a fine scale (scale^-shape > 3) has it for the tail only. A power law is a single term.
+struct ExponentialSum {
+    Index head = 0;                   ///< the first `head` reductions are not in the sum
+    std::vector<double> coefficient;  ///< (K), the slowest decay first; empty: this law has no accurate sum
+    std::vector<double> ratio;        ///< (K) in (0, 1)
+    double error = 0.0;               ///< largest |sum - f_m| over the tail, as a share of the largest f_m
+};
+
+/// The shortest sum that meets `pmf` to 1e-13 of its largest entry and to 5e-15, checked against every entry.
+/// @param pmf  fragment_pmf of the same law, spacing and rule
+///
+/// @code{.cpp}
+/// const double h = 0.01;
+/// const auto rule = comminute::FragmentRule::conservative;
+/// auto f = comminute::fragment_pmf(comminute::WeibullFragments{}, h, 700, rule);
+/// auto sum = comminute::exponential_sum(comminute::WeibullFragments{}, h, f, rule);
+/// CHECK(sum.coefficient.size() <= 14);
+/// CHECK(sum.error < 1e-13);
+/// @endcode
+ExponentialSum exponential_sum(const FragmentLaw& law, double spacing, const FragmentPmf& pmf,
+                               FragmentRule rule);
+
 }  // namespace comminute

@@ -143,10 +143,20 @@ Grading sieve_grading(const std::vector<double>& size, const std::vector<double>
                       std::string unit = "mm", bool extend_top = false);
 ///@}
 
-Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mean::arithmetic);
+/// What becomes of the exact sizes of a monodisperse or gap-graded start.
+enum class PointHandling {
+    exact,   ///< they stay exact until they crush
+    binned,  ///< they go to the bins that hold them, for engines that know bins only
+};
+
+/// Complete mixing (Eq. 64) of a grading: neighbours independent of the grain. Never loaded.
+/// @throws ParameterError if a grain is larger than the grid's last edge
+Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mean::arithmetic,
+                    PointHandling points = PointHandling::exact);
 
 /// A grid that fits: its top edge at the largest grain, the fines bin below both the finest grains and the
-/// zone of the largest load, point masses on bin centres (the two coarsest at least).
+/// zone of the largest load, point masses on bin centres (the two coarsest at least,
+/// unless they differ by less than a bin of the largest grid).
 /// @param max_stress_ratio  largest load to come, >= 0
 /// @param spacing           wanted bin width, > 0; the grid's is no larger, unless that would take more than 2000 bins
 ///
@@ -163,8 +173,9 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
 /// @param cdf      (N) fraction finer than the upper edge of each bin
 /// @param percent  in [0, 100]
 /// @param extrapolate  continue a curve that ends in the fines bin as a power law through its two finest points
+/// @param points   exact sizes that are part of `cdf`, fine to coarse: it jumps there, inside their bin
 /// @throws ParameterError if D_x lies in the fines bin, where no size is known, or above the top
-double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent,
-                  bool extrapolate = false);
+double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate = false,
+                  const std::vector<PointMass>& points = {});
 
 }  // namespace comminute

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "comminute/fabric.hpp"
+#include "comminute/material.hpp"
+
+namespace comminute {
+
+/// How the continuum becomes bins.
+enum class Scheme {
+    conservative,  ///< finite-volume fragments, cells move by the share of their area in the zone; second order
+    paper,         ///< the paper's fragments, cells move whole by the test of their centre
+};
+
+/// How a solve adds up the fragments.
+enum class SolvePath {
+    automatic,  ///< whichever of the next two costs less for this law and this zone
+    direct,     ///< bin by bin along the zone's width
+    sums,       ///< running sums of the law's exponential sum, for its tail beyond `head` bins
+    blend,      ///< what a loading rate above 0 takes: bin by bin over the whole state (not to be asked for)
+};
+
+/// What one solve did, and how. Masses are shares of the whole.
+struct SolveReport {
+    SolvePath path = SolvePath::automatic;
+    Index terms = 0;         ///< K, of the exponential sum; 0 on a path that takes none
+    Index head = 0;          ///< reductions of up to so many bins were added one by one
+    double fit_error = 0.0;  ///< largest error of the sum, as a share of the largest fragment bin
+    double crushed = 0.0;    ///< mass crushed in psi, every crush counted, those that stay in their bin too
+    double crushed_neighbour = 0.0;  ///< the same in psibar
+};
+
+/// Grading after a solve, without the state.
+struct Marginal {
+    std::vector<double> grainsize;  ///< (N) mass by bin, point masses in theirs
+    std::vector<PointMass> points;  ///< what of it is still at an exact size, fine to coarse
+    SolveReport report;
+};
+
+/// The state to which infinitely slow loading leads, in one sweep from coarse to fine.
+///
+/// Under the slow rule (Eq. 63) what a packet of mass does depends on its place alone; the load only decides whether
+/// it must move, and zones only grow. Every packet stops at the first place outside the zone of the largest load so
+/// far, whatever the steps between: one solve equals any slow path to the same load. That holds for the blend
+/// (Eq. 67) at a constant rate too, and not for the exact kernel (Eq. 59), which has no solve.
+///
+/// Costs O(K N W) for a grading, W the zone's width in bins and K the terms of the law's exponential sum, or O(N W^2)
+/// where that is less; a state costs N^2 more. A loading rate above 0 costs O(N^3). Point masses of a Fabric stay
+/// exact under the conservative scheme; the paper's scheme puts them on bin centres.
+///
+/// Begin-state in, end-state out. One object per thread.
+///
+/// @throws ParameterError for a bad material or a loading rate outside [0, 1]
+///
+/// @code{.cpp}
+/// comminute::LogGrid grid(-8.0, 0.0, 201);
+/// comminute::QuasiStatic solver(grid, comminute::Material{});
+/// auto start = comminute::mixed_fabric(comminute::monodisperse(1.0), grid);
+/// comminute::SolveReport report;
+/// auto after = solver.solve(start, 1.0, &report);
+/// CHECK(report.crushed == doctest::Approx(0.5));     // of two equal grains either may be the first
+/// CHECK(after.settled_at() == 1.0);
+/// CHECK(solver.solve(after, 0.5) == after);          // unloading changes nothing
+/// @endcode
+class QuasiStatic {
+  public:
+    QuasiStatic(const LogGrid& grid, const Material& material, Scheme scheme = Scheme::conservative,
+                double loading_rate = 0.0, SolvePath path = SolvePath::automatic);
+    ~QuasiStatic();
+    QuasiStatic(QuasiStatic&&) noexcept;
+    QuasiStatic& operator=(QuasiStatic&&) noexcept;
+
+    const LogGrid& grid() const;
+    const Material& material() const;
+    Scheme scheme() const;
+    double loading_rate() const;
+    SolvePath path() const;
+
+    /// @param state  on this grid
+    /// @return the state at rest under the larger of `stress_ratio` and `state.settled_at()`
+    /// @throws ParameterError for a bad load or a state on another grid
+    Fabric solve(const Fabric& state, double stress_ratio, SolveReport* report = nullptr);
+
+    /// The grading alone. Without a loading rate it reads the zone's band of the state and no more.
+    Marginal marginal(const Fabric& state, double stress_ratio);
+
+    /// The same for a bare array, without point masses.
+    /// @param state       (N, N), entries in the zone must be finite
+    /// @param settled_at  load under which it is at rest; none: never loaded
+    /// @param out         (N, N) state after it; may be `state` itself
+    /// @throws ShapeError for other shapes or a partial overlap; ParameterError for a bad load, or an entry in the zone
+    ///         that is not finite
+    SolveReport solve(MatrixView<const double> state, double stress_ratio, std::optional<double> settled_at,
+                      MatrixView<double> out);
+    /// @param grainsize  (N) mass by grainsize after it
+    SolveReport marginal(MatrixView<const double> state, double stress_ratio,
+                         std::optional<double> settled_at, VectorView<double> grainsize);
+
+  private:
+    struct Work;
+    std::unique_ptr<Work> work_;
+};
+
+}  // namespace comminute

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "active_band.hpp"
+#include "crush_table.hpp"
+
+namespace comminute {
+
+/// Mass that arrives from outside the bins, psi[i] * psibar[j] in cell (i, j).
+struct OuterProduct {
+    std::vector<double> psi;
+    std::vector<double> psibar;
+};
+
+/// One sweep of the slow rule over the band of the zone, shell by shell from coarse to fine.
+///
+/// Shell m holds the cells whose larger index is m: (m, m), the arm (m, j < m) whose mass crushes in psi and falls down
+/// column j, and the arm (i < m, m) whose mass crushes in psibar and falls along row i. When shell m has its turn, all
+/// that lands in it has been pushed by shells above, but for the fragments of (m, m) in its own arms; and the cells of
+/// an arm do not feed each other, so every inner loop runs along an arm.
+///
+/// What a line holds in flight is kept in two parts: K running sums that decay by one bin a shell, and the masses of
+/// the last H shells, H the head of the table, which are added one by one.
+class BandSweep {
+  public:
+    explicit BandSweep(Index bins);
+
+    /// @param before  shares of the cells that were active when `state` settled
+    /// @param after   shares that are active now, none smaller
+    /// @param out     of which the cells in the band are written; null: marginals only
+    void run(const CrushTable& table, const ActiveBand& before, const ActiveBand& after,
+             MatrixView<const double> state, const std::vector<OuterProduct>& arrivals,
+             MatrixView<double>* out);
+
+    /// After a run with `out`: writes all cells outside the band, what was there and what landed there.
+    void far_field(const CrushTable& table, MatrixView<const double> state,
+                   const std::vector<OuterProduct>& arrivals, MatrixView<double> out);
+
+    /// (N) mass crushed in psi out of each row, once for every time that it left its bin.
+    const std::vector<double>& crushed_rows() const { return crushed_rows_; }
+    double crushed() const { return crushed_; }
+    double crushed_neighbour() const { return crushed_neighbour_; }
+
+  private:
+    /// What falls along the lines of one direction.
+    struct Lines {
+        std::vector<double> sums;    // (K, stride) of each line, as of the current shell
+        std::vector<double> own;     // (K) those of the line whose shell has its turn
+        std::vector<double> pushed;  // (shells kept, width) mass pushed onto a line from a shell
+        std::vector<double> fines;   // (N) what falls below the grid
+        std::vector<double> near;    // (N, K) the sums of each line at its own shell
+        std::vector<double> far;     // (N, K) the same with the head, for places beyond it
+    };
+
+    void prepare(const CrushTable& table, const ActiveBand& after, bool whole_state);
+    double arrive_on_diagonal(const CrushTable& table, Lines& lines, Index m) const;
+    void arrive_on_arm(const CrushTable& table, Lines& lines, const Lines& other, Index m);
+    double landed_in_fines(const CrushTable& table, const Lines& lines, const Lines& other, Index m) const;
+    double crush_diagonal(const CrushTable& table, Index m, double there, double* rest);
+    double crush_arm(const CrushTable& table, Lines& lines, Index m, const double* there, double* rest);
+    void set_shares(const ActiveBand& before, const ActiveBand& after, Index m);
+    void hand_on(const CrushTable& table, Lines& lines, Index m) const;
+    void flush(const CrushTable& table, Lines& lines, Index m) const;
+    void take_columns(MatrixView<const double> state, Index begin, Index end);
+    void give_columns(MatrixView<double> out, Index begin, Index end) const;
+    void near_left(const CrushTable& table, Index i, double* row) const;
+    void near_right(const CrushTable& table, Index i, double* row) const;
+    void turn_far_sums(const CrushTable& table);
+    void far_left(const CrushTable& table, Index begin_row, Index end_row, Index begin, Index end,
+                  MatrixView<double> out);
+    void far_right(const CrushTable& table, Index begin_row, Index end_row, Index begin, Index end,
+                   MatrixView<double> out);
+    Index left_end(const CrushTable& table, Index i) const;
+    Index right_begin(const CrushTable& table, Index i) const;
+
+    Index first(Index m) const { return first_[static_cast<std::size_t>(m)]; }
+    /// Mass pushed from a shell onto a line, and on to the next line.
+    double* pushed(Lines& lines, Index shell, Index line) const {
+        return lines.pushed.data() + (shell % shells_kept_) * width_ + width_ - 1 - shell + line;
+    }
+    const double* pushed(const Lines& lines, Index shell, Index line) const {
+        return lines.pushed.data() + (shell % shells_kept_) * width_ + width_ - 1 - shell + line;
+    }
+
+    Index bins_;
+    Index stride_;
+    Index width_ = 0;
+    Index shells_kept_ = 0;
+    std::vector<Index> first_;  // (N) the lowest line that anything has been pushed onto by a shell's turn
+    Lines columns_;
+    Lines rows_;
+    std::vector<double> crushed_rows_;
+    double crushed_ = 0.0;
+    double crushed_neighbour_ = 0.0;
+
+    // Of the current shell, by line.
+    std::vector<double> arriving_;
+    std::vector<double> entering_;
+    std::vector<double> settled_share_;
+    std::vector<double> arrived_share_;
+    std::vector<double> block_;    // a few columns of the state, each in one piece
+    std::vector<Index> right_;     // (N) the first column above the band in each row
+    std::vector<double> factors_;  // (K, 4) of the rows at hand
+    std::vector<double> by_term_;  // (K, N) far sums of the columns
+    std::vector<double> scaled_;   // (K, N) the same as seen from the first column of their block
+};
+
+}  // namespace comminute

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "comminute/fragments.hpp"
+
+namespace comminute {
+namespace {
+
+// The monomials lose digits to cancellation while they are made, not while they are used.
+using Wide = long double;
+
+constexpr std::size_t most_terms = 24;
+constexpr double longest_rate =
+    3.0;  // above it the terms of the sum cancel; the head then takes the steep part
+constexpr double tail_rate = 2.0;
+
+// Coefficients b_a of F(y) = (1 - exp(-rate y)) / (1 - exp(-rate)) = sum_a b_a y^(a+1): its derivative interpolated
+// at the Chebyshev nodes of [0, 1], rewritten in monomials, integrated.
+std::vector<double> weibull_polynomial(double rate, std::size_t terms) {
+    const auto n = static_cast<Wide>(terms);
+    std::vector<Wide> slope(terms);
+    for (std::size_t q = 0; q < terms; ++q) {
+        const Wide node = std::cos(std::numbers::pi_v<Wide> * (static_cast<Wide>(q) + 0.5L) / n);
+        slope[q] = rate * std::exp(-rate * 0.5L * (1.0L + node)) / -std::expm1(-static_cast<Wide>(rate));
+    }
+    std::vector<Wide> sum(terms, 0.0L);
+    std::vector<Wide> before(terms, 0.0L);
+    std::vector<Wide> chebyshev(terms, 0.0L);  // T_c(2 y - 1) in powers of y
+    chebyshev[0] = 1.0L;
+    for (std::size_t c = 0; c < terms; ++c) {
+        Wide weight = 0.0L;
+        for (std::size_t q = 0; q < terms; ++q) {
+            const Wide angle = std::numbers::pi_v<Wide> * (static_cast<Wide>(q) + 0.5L) / n;
+            weight += slope[q] * std::cos(static_cast<Wide>(c) * angle);
+        }
+        weight *= (c == 0 ? 1.0L : 2.0L) / n;
+        for (std::size_t a = 0; a < terms; ++a) sum[a] += weight * chebyshev[a];
+        std::vector<Wide> next(terms, 0.0L);
+        const Wide factor = c == 0 ? 1.0L : 2.0L;
+        for (std::size_t a = 0; a < terms; ++a) {
+            next[a] = -factor * chebyshev[a] - (c == 0 ? 0.0L : before[a]);
+            if (a > 0) next[a] += 2.0L * factor * chebyshev[a - 1];
+        }
+        before = std::exchange(chebyshev, std::move(next));
+    }
+    std::vector<double> integrated(terms);
+    for (std::size_t a = 0; a < terms; ++a) {
+        integrated[a] = static_cast<double>(sum[a] / static_cast<Wide>(a + 1));
+    }
+    return integrated;
+}
+
+// What a term b exp(rate r) of the cdf gives to f_m exp(rate m h), under either rule.
+double on_bins(double b, double rate, double h, FragmentRule rule) {
+    if (rule == FragmentRule::paper) return b * std::expm1(rate * h);
+    const double s = std::sinh(0.5 * rate * h);
+    return b * 4.0 * s * s / (rate * h);
+}
+
+double largest_error(const ExponentialSum& sum, const FragmentPmf& pmf) {
+    std::vector<double> power(sum.coefficient);
+    double worst = 0.0;
+    for (std::size_t m = static_cast<std::size_t>(sum.head) + 1; m < pmf.mass.size(); ++m) {
+        double value = 0.0;
+        for (std::size_t a = 0; a < power.size(); ++a) value += power[a] *= sum.ratio[a];
+        worst = std::max(worst, std::abs(value - pmf.mass[m]));
+    }
+    return worst;
+}
+
+// Fills in the error; false where the sum is not good enough.
+bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
+    const double largest = *std::max_element(pmf.mass.begin(), pmf.mass.end());
+    const double worst = largest_error(sum, pmf);
+    sum.error = worst / largest;
+    return sum.error <= 1e-13 && worst <= 5e-15;
+}
+
+ExponentialSum sum_of(const PowerLawFragments& law, double h, const FragmentPmf& pmf, FragmentRule rule) {
+    ExponentialSum sum;
+    sum.coefficient = {on_bins(1.0, law.exponent, h, rule)};
+    sum.ratio = {std::exp(-law.exponent * h)};
+    return accurate(sum, pmf) ? sum : ExponentialSum{};
+}
+
+ExponentialSum sum_of(const WeibullFragments& law, double h, const FragmentPmf& pmf, FragmentRule rule) {
+    const double rate = std::pow(law.scale, -law.shape);
+    ExponentialSum sum;
+    if (rate > longest_rate) {
+        const double head = std::ceil(std::log(rate / tail_rate) / (law.shape * h));
+        if (!(head < static_cast<double>(pmf.mass.size()) - 1.0)) return {};
+        sum.head = static_cast<Index>(head);
+    }
+    const double left = rate * std::exp(-law.shape * h * static_cast<double>(sum.head));
+    const double share = std::expm1(-left) / std::expm1(-rate);
+    for (std::size_t terms = 1; terms <= most_terms; ++terms) {
+        const std::vector<double> polynomial = weibull_polynomial(left, terms);
+        sum.coefficient.resize(terms);
+        sum.ratio.resize(terms);
+        for (std::size_t a = 0; a < terms; ++a) {
+            const double decay = law.shape * static_cast<double>(a + 1);
+            sum.coefficient[a] = on_bins(share * polynomial[a], decay, h, rule);
+            sum.ratio[a] = std::exp(-decay * h);
+        }
+        if (accurate(sum, pmf)) return sum;
+    }
+    return {};
+}
+
+template <class Law>
+ExponentialSum sum_of(const Law&, double, const FragmentPmf&, FragmentRule) {
+    return {};
+}
+
+}  // namespace
+
+ExponentialSum exponential_sum(const FragmentLaw& law, double spacing, const FragmentPmf& pmf,
+                               FragmentRule rule) {
+    return std::visit([&](const auto& l) { return sum_of(l, spacing, pmf, rule); }, law);
+}
+
+}  // namespace comminute
