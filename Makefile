@@ -49,7 +49,8 @@ check: lint sanitize test
 
 # Long random checks; their report belongs under docs/validation.
 check-long: $(VENV)/.installed
-	COMMINUTE_HYPOTHESIS=long $(PY) -m pytest -q tests/python/test_against_reference.py tests/python/test_laws.py
+	COMMINUTE_HYPOTHESIS=long $(PY) -m pytest -q tests/python/test_against_reference.py tests/python/test_laws.py \
+	  tests/python/test_lattice.py
 
 clean:
 	rm -rf $(VENV) build out

@@ -9,6 +9,7 @@
 
 #include "comminute/error.hpp"
 #include "gauss.hpp"
+#include "normal.hpp"
 
 namespace comminute {
 namespace {
@@ -17,10 +18,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void require_positive(const char* parameter, double value) {
     require(value > 0.0 && value < infinity, parameter, value, "greater than 0 and finite");
-}
-
-double normal_cdf(double z) {
-    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
 }
 
 // Mean over the bin [lower, lower + h] in r of weight(u) times the law's density or cdf, u = (r - lower) / h, split

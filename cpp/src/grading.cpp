@@ -8,6 +8,7 @@
 
 #include "comminute/criterion.hpp"
 #include "comminute/error.hpp"
+#include "normal.hpp"
 
 namespace comminute {
 namespace {
@@ -76,10 +77,6 @@ double inside_bin(const LogGrid& grid, Index i, double below, double above, doub
     }
     return slope > 0.0 ? std::min(psi + std::max(finer - reached, 0.0) / slope, grid.edge(i + 1))
                        : grid.edge(i + 1);
-}
-
-double normal_cdf(double z) {
-    return 0.5 * std::erfc(-z / std::sqrt(2.0));
 }
 
 }  // namespace

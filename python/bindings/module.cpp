@@ -72,5 +72,6 @@ PYBIND11_MODULE(_core, m) {
     register_fabric(m);
     register_grading(m);
     register_engines(m);
+    register_lattice(m);
     register_quasi_static(m);
 }

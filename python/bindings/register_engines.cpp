@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <chrono>
 #include <mutex>
 
 #include "arrays.hpp"
+#include "interrupt.hpp"
 #include "words.hpp"
 
 namespace {
@@ -57,22 +57,6 @@ class Guarded {
     }
 
   private:
-    /// Lets Ctrl-C through between steps; asks Python ten times a second at most.
-    class Interrupt {
-      public:
-        bool operator()() {
-            const auto now = std::chrono::steady_clock::now();
-            if (now - asked_ < std::chrono::milliseconds(100)) return true;
-            asked_ = now;
-            const py::gil_scoped_acquire acquire;
-            if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-            return true;
-        }
-
-      private:
-        std::chrono::steady_clock::time_point asked_ = std::chrono::steady_clock::now();
-    };
-
     std::vector<py::ssize_t> shape() const { return {kernel().grid().bins(), kernel().grid().bins()}; }
 
     Engine engine_;

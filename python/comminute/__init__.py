@@ -60,16 +60,22 @@ from comminute._core import (
     stress_ratio_at,
     uniform_size,
 )
+from comminute.lattice import Lattice, TimeSteppedLattice
+from comminute.lattice_results import Comparison, LatticeResult, compare
 from comminute.results import Result
 from comminute.simulation import Interrupted, ResolutionWarning, Simulation
+from comminute.small_ring import SmallRing
 
 __all__ = [
     "Atom",
+    "Comparison",
     "CrushZones",
     "Fabric",
     "FullConvolution",
     "Grading",
     "Interrupted",
+    "Lattice",
+    "LatticeResult",
     "LogGrid",
     "LogNormalFragments",
     "Marginal",
@@ -84,15 +90,18 @@ __all__ = [
     "ShapeError",
     "Simulation",
     "SlowUpdate",
+    "SmallRing",
     "SolveReport",
     "StepReport",
     "TabulatedFragments",
+    "TimeSteppedLattice",
     "UnavailableError",
     "WeibullFragments",
     "Zone",
     "__version__",
     "active_share",
     "cell_kernel",
+    "compare",
     "critical_stress_ratio",
     "crush_zones",
     "fitting_grid",

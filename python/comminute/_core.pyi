@@ -381,3 +381,91 @@ class QuasiStatic:
     def loading_rate(self) -> float: ...
     @property
     def path(self) -> Literal["automatic", "direct", "sums"]: ...
+
+class _Lattice:
+    def load_to(self, stress_ratio: float) -> int: ...
+    def remix(self) -> None: ...
+    @property
+    def psi(self) -> _Floats: ...
+    @property
+    def crushes(self) -> npt.NDArray[np.uint32]: ...
+    @property
+    def mean_crushes(self) -> _Floats: ...
+    def grainsizes(self, grid: LogGrid) -> _Floats: ...
+    def fabric(self, grid: LogGrid) -> Fabric: ...
+    @property
+    def settled_at(self) -> float | None: ...
+    @property
+    def cells(self) -> int: ...
+    @property
+    def replicas(self) -> int: ...
+    @property
+    def material(self) -> Material: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def mean(self) -> _Mean: ...
+    @property
+    def threads(self) -> int: ...
+
+class Lattice(_Lattice):
+    @overload
+    def __init__(
+        self,
+        cells: int,
+        material: Material,
+        grading: Grading,
+        *,
+        seed: int = ...,
+        replicas: int = ...,
+        mean: _Mean = ...,
+        threads: int = ...,
+        record_avalanches: bool = ...,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self,
+        sizes: _Floats,
+        material: Material,
+        *,
+        seed: int = ...,
+        replicas: int = ...,
+        mean: _Mean = ...,
+        threads: int = ...,
+        record_avalanches: bool = ...,
+    ) -> None: ...
+    def avalanches(self, replica: int = ...) -> tuple[_Floats, npt.NDArray[np.uint64]]: ...
+
+class TimeSteppedLattice(_Lattice):
+    @overload
+    def __init__(
+        self,
+        cells: int,
+        material: Material,
+        grading: Grading,
+        *,
+        crush_probability: float = ...,
+        load_factor: float = ...,
+        seed: int = ...,
+        replicas: int = ...,
+        mean: _Mean = ...,
+        threads: int = ...,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self,
+        sizes: _Floats,
+        material: Material,
+        *,
+        crush_probability: float = ...,
+        load_factor: float = ...,
+        seed: int = ...,
+        replicas: int = ...,
+        mean: _Mean = ...,
+        threads: int = ...,
+    ) -> None: ...
+    def crush_pass(self, stress_ratio: float) -> int: ...
+    @property
+    def crush_probability(self) -> float: ...
+    @property
+    def load_factor(self) -> float: ...

@@ -11,6 +11,7 @@
 #include "comminute/grading.hpp"
 #include "comminute/grid.hpp"
 #include "comminute/kernel.hpp"
+#include "comminute/lattice.hpp"
 #include "comminute/material.hpp"
 #include "comminute/quasi_static.hpp"
 #include "comminute/settle.hpp"

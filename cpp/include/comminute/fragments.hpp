@@ -84,13 +84,12 @@ struct TabulatedFragments {
     double smooth_length() const;
     /// Where the density jumps, in r; quadratures must not step over these.
     std::vector<double> kinks() const;
+    /// Exponent of the power law below the first point; 0 where there is none.
+    double tail_slope() const;
     void validate() const;
     friend bool operator==(const TabulatedFragments& a, const TabulatedFragments& b) {
         return a.x == b.x && a.finer == b.finer;
     }
-
-  private:
-    double tail_slope() const;
 };
 
 using FragmentLaw = std::variant<WeibullFragments, PowerLawFragments, LogNormalFragments, TabulatedFragments>;

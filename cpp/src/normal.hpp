@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+namespace comminute {
+
+/// Standard normal cdf, to rounding also far down the lower tail.
+inline double normal_cdf(double z) {
+    return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+
+}  // namespace comminute
