@@ -239,33 +239,4 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
     return {psi_max - static_cast<double>(below_top) * h, psi_max, below_top + 1};
 }
 
-double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate) {
-    require(percent >= 0.0 && percent <= 100.0, "percent", percent, "between 0 and 100");
-    if (cdf.size() != grid.bins()) {
-        throw ShapeError("cdf has " + std::to_string(cdf.size()) + " entries; the grid has " +
-                         std::to_string(grid.bins()) + " bins");
-    }
-    constexpr double rounding = 1e-12;  // a cdf is a sum: its plateaus and its 1 are good to this
-    const double finer = percent / 100.0;
-    const std::string name = "D" + text(percent);
-    const auto* bin = std::find_if(cdf.begin(), cdf.end(), [&](double f) { return f >= finer - rounding; });
-    if (bin == cdf.end()) {
-        throw ParameterError(name + " lies above the largest size: only " +
-                             text(100.0 * cdf[cdf.size() - 1]) + " % are finer");
-    }
-    const auto i = bin - cdf.begin();
-    if (i == 0) {
-        const double slope = std::log(cdf[1] / cdf[0]) / grid.spacing();
-        if (extrapolate && finer > 0.0 && slope > 0.0 && std::isfinite(slope)) {
-            return std::exp(grid.edge(1) + std::log(finer / cdf[0]) / slope);
-        }
-        throw ParameterError(name + " lies in the fines bin, which holds " + text(100.0 * cdf[0]) +
-                             " % below a size of " + text(std::exp(grid.edge(1))) +
-                             "; lower psi_min to resolve it, or pass extrapolate = true");
-    }
-    const double below = cdf[i - 1];
-    const double fraction = *bin > below ? std::clamp((finer - below) / (*bin - below), 0.0, 1.0) : 1.0;
-    return std::exp(grid.edge(i) + fraction * grid.spacing());
-}
-
 }  // namespace comminute

@@ -71,5 +71,6 @@ PYBIND11_MODULE(_core, m) {
     register_kernel(m);
     register_fabric(m);
     register_grading(m);
+    register_ideal_gradings(m);
     register_engines(m);
 }

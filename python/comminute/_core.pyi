@@ -1,9 +1,12 @@
+import os
 from collections.abc import Sequence
 from enum import IntEnum
 from typing import Literal, overload
 
 import numpy as np
 import numpy.typing as npt
+
+from comminute.curves import SieveTable
 
 __version__: str
 has_fftw: bool
@@ -247,8 +250,31 @@ def remix(fabric: Fabric) -> Fabric: ...
 class Grading:
     @staticmethod
     def from_sieves(
-        size: _Many, percent_finer: _Many, unit: str = ..., *, top: Literal["error", "extend"] = ...
+        size: _Many,
+        percent_finer: _Many,
+        unit: str = ...,
+        *,
+        top: Literal["error", "extend"] = ...,
+        number: bool = ...,
+        places: Sequence[str] = ...,
+        if_retained: str = ...,
+        notes: Sequence[str] = ...,
     ) -> Grading: ...
+    @staticmethod
+    def read(
+        path: str | os.PathLike[str],
+        *,
+        unit: str | None = ...,
+        top: Literal["error", "extend"] = ...,
+        number: bool = ...,
+    ) -> Grading: ...
+    def to_sieves(self, sieves: str | _Many) -> SieveTable: ...
+    def with_unit(self, unit: str) -> Grading: ...
+    @overload
+    def percentile(self, percent: float, *, extrapolate: bool = ...) -> float: ...
+    @overload
+    def percentile(self, percent: _Many, *, extrapolate: bool = ...) -> _Floats: ...
+    def _points(self, count: int = ...) -> tuple[_Floats, _Floats, float]: ...
     @property
     def unit(self) -> str: ...
     @property

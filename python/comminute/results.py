@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from comminute._core import Fabric, LogGrid, Material, ParameterError, __version__, percentile
+from comminute.curves import SizeCurve
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -129,6 +130,24 @@ class Result:
         """
         sizes = [percentile(self.grid, finer, percent, extrapolate=extrapolate) for finer in self.cdf]
         return np.array(sizes)
+
+    def curve(self, k: int = -1) -> SizeCurve:
+        """Grading curve after load k, for the indices (`comminute.uniformity` and so on).
+
+        Parameters
+        ----------
+        k : int
+
+        Returns
+        -------
+        SizeCurve
+        """
+        return SizeCurve.on_grid(self.grid, np.cumsum(self.pmf[k]), self.unit)
+
+    @property
+    def start_curve(self) -> SizeCurve:
+        """Grading curve before the first load, on the same grid."""
+        return SizeCurve.on_grid(self.grid, self.start.cdf(), self.unit)
 
     def fabric(self, k: int) -> Fabric:
         """Fabric after load k (before the remixing, where load k is followed by one).
