@@ -62,11 +62,14 @@ from comminute.breakage import (
     fractal_dimension,
     relative_breakage,
 )
+from comminute.continuing import run_again
 from comminute.curves import SieveTable, SizeCurve
 from comminute.indices import FolkWard, Milling, curvature, fines_share, folk_ward, milling, phi, uniformity
+from comminute.recipe import Recipe
 from comminute.results import Result
 from comminute.sieves import sieve_size, sieve_sizes
 from comminute.simulation import Interrupted, ResolutionWarning, Simulation
+from comminute.storage import open_result
 
 __all__ = [
     "Breakage",
@@ -83,6 +86,7 @@ __all__ = [
     "Milling",
     "ParameterError",
     "PowerLawFragments",
+    "Recipe",
     "ResolutionWarning",
     "Result",
     "ShapeError",
@@ -118,12 +122,14 @@ __all__ = [
     "mixed_fabric",
     "monodisperse",
     "neighbourhood_pmf",
+    "open_result",
     "percentile",
     "phi",
     "power_law",
     "relative_breakage",
     "remix",
     "rosin_rammler",
+    "run_again",
     "sieve_size",
     "sieve_sizes",
     "stress_function",

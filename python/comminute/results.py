@@ -6,15 +6,18 @@ import os
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from comminute._core import Fabric, LogGrid, Material, ParameterError, __version__, percentile
 from comminute.curves import SizeCurve
+from comminute.recipe import Recipe
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
     from matplotlib.figure import Figure
 
 Floats = npt.NDArray[np.float64]
@@ -58,6 +61,8 @@ class Result:
         Where the curves are not to be trusted.
     fabrics : tuple of Fabric or None
         Kept fabrics, one entry per load; see `fabric`.
+    recipe : Recipe or None
+        What the run was asked for, to resume it or run it again.
 
     Examples
     --------
@@ -83,6 +88,7 @@ class Result:
     notes: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     fabrics: tuple[Fabric | None, ...] = field(default=())
+    recipe: Recipe | None = None
 
     @property
     def psi(self) -> Floats:
@@ -182,52 +188,31 @@ class Result:
         return f"<Result: {loads}, {self.grid.bins} bins, {what}>"
 
     def to_xarray(self) -> Any:
-        """Dataset with dims load and psi; needs xarray.
+        """Dataset with dims load, psi and psibar; needs xarray.
 
         Returns
         -------
         xarray.Dataset
-            Variables pmf, cdf (load, psi), crushes, fines, mass_error (load); coordinates
-            stress_ratio, stress, psi, size, edge_size.
+            Variables pmf, cdf (load, psi), crushes, fines, mass_error (load), start_fabric (psi, psibar),
+            fabric (fabric_load, psi, psibar) and settled_at for the kept ones; coordinates stress_ratio,
+            stress, psi, psibar, size, edge_size; everything else as attributes.
 
         Raises
         ------
         ImportError
             Naming the extra to install.
         """
-        try:
-            import xarray as xr  # noqa: PLC0415  (an optional dependency)
-        except ImportError as error:
-            raise needs("xarray", "xarray", "to_xarray") from error
-        units = {"units": self.unit or "1"}
-        coords: dict[str, Any] = {
-            "stress_ratio": ("load", self.stress_ratio, {"long_name": "stress ratio", "units": "1"}),
-            "psi": ("psi", self.psi, {"long_name": "log grainsize at bin centres", "units": "1"}),
-            "size": ("psi", self.size, {"long_name": "grainsize at bin centres", **units}),
-            "edge_size": ("psi", self.edge_size, {"long_name": "grainsize at upper bin edges", **units}),
-        }
-        if self.stress is not None:
-            coords["stress"] = ("load", self.stress, {"long_name": "stress"})
-        names = {
-            "pmf": (("load", "psi"), "mass fraction by bin"),
-            "cdf": (("load", "psi"), "mass fraction finer than edge_size"),
-            "crushes": ("load", "mean number of crushes"),
-            "fines": ("load", "mass fraction in the fines bin"),
-            "mass_error": ("load", "total mass less 1"),
-        }
-        variables = {
-            name: (dims, getattr(self, name), {"long_name": text, "units": "1"}) for name, (dims, text) in names.items()
-        }
-        attributes = {"engine": self.engine, "scheme": self.scheme, "comminute_version": __version__}
-        return xr.Dataset(variables, coords, {**attributes, "material": repr(self.material)})
+        from comminute import storage  # noqa: PLC0415  (it stands on this module)
+
+        return storage.to_dataset(self)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the arrays to a NumPy .npz file, complete or not at all.
+        """Write a file, complete or not at all: NetCDF with all there is, or the arrays alone as .npz.
 
         Parameters
         ----------
         path : path-like
-            Ends in .npz; an existing file is replaced.
+            Ends in .nc or .npz; an existing file is replaced.
 
         Returns
         -------
@@ -237,15 +222,22 @@ class Result:
         ------
         ParameterError
             For another ending.
+        ImportError
+            Naming the extra to install, for .nc.
 
         Notes
         -----
-        The file has the arrays of this class by name, the fabric after the last kept load as
-        `fabric` (N, N), and `engine`, `scheme`, `unit`, `material` and `version` as text.
+        From an .nc file `open_result` makes an equal result. An .npz file has the arrays of this class by
+        name, the fabric after the last kept load as `fabric` (N, N), and `engine`, `scheme`, `unit`,
+        `material` and `version` as text.
         """
         target = Path(path)
+        if target.suffix == ".nc":
+            from comminute import storage  # noqa: PLC0415  (it stands on this module)
+
+            return storage.save_netcdf(self, target)
         if target.suffix != ".npz":
-            raise ParameterError(f"path is '{target}'; it must end in .npz")
+            raise ParameterError(f"path is '{target}'; it must end in .nc or .npz")
         names = ("stress_ratio", "psi", "size", "edge_size", "pmf", "cdf", "crushes", "fines", "mass_error")
         arrays: dict[str, Any] = {name: getattr(self, name) for name in names}
         if self.stress is not None:
@@ -265,6 +257,56 @@ class Result:
             Path(temporary).unlink(missing_ok=True)
             raise
         return target
+
+    def resume(
+        self,
+        stress_ratio: float | Iterable[float] | None = None,
+        *,
+        stress: float | Iterable[float] | None = None,
+        loading_rate: float | Iterable[float] = 0.0,
+        remix_after: Iterable[int] = (),
+        keep_fabrics: Literal["all", "last"] | Sequence[int] = "all",
+        on_load: Callable[[int], object] | None = None,
+    ) -> Result:
+        """Go on from the last load, on the same grid and with the same engine and scheme.
+
+        Parameters
+        ----------
+        stress_ratio, stress, loading_rate, keep_fabrics, on_load
+            As for `Simulation.run`, of the loads to come.
+        remix_after : sequence of int
+            Indices of the loads to come, from 0.
+
+        Returns
+        -------
+        Result
+            All loads, the old and the new: equal to one run through all of them on this grid.
+
+        Raises
+        ------
+        ParameterError
+            If the last fabric was not kept, or for loads outside their range.
+        Interrupted
+            On Ctrl-C; its `result` has the finished loads.
+
+        Examples
+        --------
+        >>> import comminute as cm
+        >>> sim = cm.Simulation(cm.Material(), cm.monodisperse(1.0), grid=cm.LogGrid(-6.0, 0.0, 121))
+        >>> sim.run(stress_ratio=[1, 2]).resume(stress_ratio=[8]) == sim.run(stress_ratio=[1, 2, 8])
+        True
+        """
+        from comminute import continuing  # noqa: PLC0415  (it stands on this module)
+
+        return continuing.resume(
+            self,
+            stress_ratio,
+            stress=stress,
+            loading_rate=loading_rate,
+            remix_after=remix_after,
+            keep_fabrics=keep_fabrics,
+            on_load=on_load,
+        )
 
     def plot(self, load: int = -1) -> Figure:
         """Grading curves of all loads beside the fabric after one of them; needs matplotlib.

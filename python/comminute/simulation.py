@@ -24,6 +24,7 @@ from comminute._core import (
     mixed_fabric,
     remix,
 )
+from comminute.recipe import Recipe
 from comminute.results import Result
 
 Kind = Literal["slow", "exact", "fast", "blend"]
@@ -56,6 +57,7 @@ class LoadPath:
     stress: Floats | None
     loading_rate: Floats
     remix_after: frozenset[int]
+    by_stress: bool
 
 
 def _loads(name: str, values: float | Iterable[float]) -> Floats:
@@ -99,7 +101,7 @@ def _load_path(
     for index in sorted(indices):
         if not 0 <= index < ratios.size:
             raise ParameterError(f"remix_after has {index}; it must hold indices of loads, 0 to {ratios.size - 1}")
-    return LoadPath(ratios, stresses, rates, indices)
+    return LoadPath(ratios, stresses, rates, indices, by_stress=stress is not None)
 
 
 def _kind_of(kind: Kind | None, rate: float) -> Kind:
@@ -300,6 +302,8 @@ class Simulation:
         steps = None if steps_per_load == "rest" else steps_per_load
         records = _Records()
         start = fabric
+        rates, remixed = tuple(path.loading_rate.tolist()), tuple(sorted(path.remix_after))
+        recipe = Recipe(rates, remixed, engine, kind, steps_per_load, path.by_stress)
         try:
             for k, load in enumerate(path.stress_ratio):
                 rate = float(path.loading_rate[k])
@@ -312,13 +316,13 @@ class Simulation:
                     on_load(k)
         except KeyboardInterrupt:
             done = len(records.pmf)
-            raise Interrupted(self._result(start, path, engines, records) if done else None) from None
-        result = self._result(start, path, engines, records)
+            raise Interrupted(self._result(start, path, engines, records, recipe) if done else None) from None
+        result = self._result(start, path, engines, records, recipe)
         for warning in result.warnings:
             warnings.warn(warning, ResolutionWarning, stacklevel=2)
         return result
 
-    def _result(self, start: Fabric, path: LoadPath, engines: _Engines, records: _Records) -> Result:
+    def _result(self, start: Fabric, path: LoadPath, engines: _Engines, records: _Records, recipe: Recipe) -> Result:
         done = len(records.pmf)
         pmf = np.array(records.pmf)
         ratios = path.stress_ratio[:done]
@@ -339,6 +343,7 @@ class Simulation:
             notes=(*assumed, *_explained(ratios, np.array(records.crushes))),
             warnings=tuple(_resolution_warnings(start.grid, self.material, ratios, pmf, unit)),
             fabrics=tuple(records.fabrics),
+            recipe=recipe.of_first(done),
         )
 
 

@@ -51,6 +51,7 @@ def test_classes_and_functions_of_the_core_show_an_example() -> None:
         "FractalFit",
         "Grading",
         "Milling",
+        "Recipe",
         "SieveTable",
         "StepReport",
         "Zone",

@@ -1,0 +1,245 @@
+"""Results in NetCDF files: readable by anything that reads NetCDF 4, and by this library without a bit lost."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from comminute._core import Fabric, LogGrid, ParameterError, __version__
+from comminute.recipe import Recipe, fabric_parts, grid_record, material_of, material_record
+from comminute.results import Result, needs
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+LAYOUT = "comminute result 1"
+START = -1  # load index under which atoms of the start are stored
+PACKING = {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True, "_FillValue": None}
+
+
+def to_dataset(result: Result) -> Any:
+    """Dataset of a result; see `Result.to_xarray`."""
+    try:
+        import xarray as xr  # noqa: PLC0415  (an optional dependency)
+    except ImportError as error:
+        raise needs("io", "xarray", "to_xarray") from error
+    unit = {"units": result.unit or "1"}
+    coords: dict[str, Any] = {
+        "stress_ratio": ("load", result.stress_ratio, {"long_name": "stress ratio", "units": "1"}),
+        "psi": ("psi", result.psi, {"long_name": "log grainsize at bin centres", "units": "1"}),
+        "psibar": ("psibar", result.psi, {"long_name": "log neighbourhood grainsize at bin centres", "units": "1"}),
+        "size": ("psi", result.size, {"long_name": "grainsize at bin centres", **unit}),
+        "edge_size": ("psi", result.edge_size, {"long_name": "grainsize at upper bin edges", **unit}),
+    }
+    if result.stress is not None:
+        stress_unit = result.recipe.stress_unit if result.recipe else ""
+        coords["stress"] = ("load", result.stress, {"long_name": "stress", "units": stress_unit or "1"})
+    names = {
+        "pmf": (("load", "psi"), "mass fraction by bin"),
+        "cdf": (("load", "psi"), "mass fraction finer than edge_size"),
+        "crushes": ("load", "mean number of crushes a cell has been through"),
+        "fines": ("load", "mass fraction in the fines bin"),
+        "mass_error": ("load", "total mass less 1"),
+    }
+    variables: dict[str, Any] = {
+        name: (dims, getattr(result, name), {"long_name": text, "units": "1"}) for name, (dims, text) in names.items()
+    }
+    kept = [k for k, fabric in enumerate(result.fabrics) if fabric is not None]
+    parts = {START: fabric_parts(result.start)} | {k: fabric_parts(result.fabric(k)) for k in kept}
+    variables |= _fabric_variables(kept, parts, result.grid.bins)
+    if kept:
+        coords["fabric_load"] = ("fabric_load", np.array(kept, dtype=np.int64), {"long_name": "index of a kept load"})
+    data = xr.Dataset(variables, coords, _attributes(result, parts))
+    data.attrs["sha256"] = _digest(data)
+    return data
+
+
+def _fabric_variables(kept: list[int], parts: dict[int, dict[str, Any]], bins: int) -> dict[str, Any]:
+    mass = {"units": "1"}
+    square = ("psi", "psibar")
+    text = "mass fraction by grainsize and neighbourhood grainsize"
+    found: dict[str, Any] = {
+        "start_fabric": (square, parts[START]["probability"], {"long_name": f"{text} before the first load", **mass})
+    }
+    if kept:
+        cube = np.stack([parts[k]["probability"] for k in kept]).reshape(-1, bins, bins)
+        found["fabric"] = (("fabric_load", *square), cube, {"long_name": f"{text} after each kept load", **mass})
+        settled = [np.nan if parts[k]["settled_at"] is None else parts[k]["settled_at"] for k in kept]
+        about = {"long_name": "stress ratio under which the fabric is at rest, NaN if none", "units": "1"}
+        found["settled_at"] = ("fabric_load", np.array(settled), about)
+    rows = [[k, *atom] for k, part in parts.items() for atom in part.get("atoms", ())]
+    if rows:
+        columns = np.array(rows, dtype=np.float64).T
+        for name, column, what in zip(
+            ("atom_load", "atom_psi", "atom_psibar", "atom_mass"),
+            columns,
+            ("load index, -1 for the start", "log grainsize", "log neighbourhood grainsize", "mass fraction"),
+            strict=True,
+        ):
+            found[name] = ("atom", column, {"long_name": f"{what} of a point mass", **mass})
+    return found
+
+
+def _attributes(result: Result, parts: dict[int, dict[str, Any]]) -> dict[str, Any]:
+    """Everything of a result that is no array, as text."""
+    return {
+        "Conventions": "CF-1.11",
+        "title": "confined comminution: gradings after each load",
+        "source": f"comminute {__version__}",
+        "references": "Huang, Marks & Einav (2020), https://doi.org/10.1016/j.jmps.2020.103897",
+        "layout": LAYOUT,
+        "comminute_version": __version__,
+        "engine": result.engine,
+        "scheme": result.scheme,
+        "unit": result.unit,
+        "mean": parts[START]["mean"],
+        "start_settled_at": json.dumps(parts[START]["settled_at"]),
+        "material": json.dumps(material_record(result.material)),
+        "grid": json.dumps(grid_record(result.grid)),
+        "notes": json.dumps(list(result.notes)),
+        "warnings": json.dumps(list(result.warnings)),
+        "recipe": "" if result.recipe is None else result.recipe.to_json(),
+        "case": "" if result.recipe is None else result.recipe.case,
+    }
+
+
+def _digest(data: Any) -> str:
+    """Fingerprint of every array and every text, by name, to find damage that the file format does not."""
+    hashed = hashlib.sha256()
+    for name in sorted(data.variables):
+        values = np.ascontiguousarray(data[name].values)
+        hashed.update(f"{name}{data[name].dims}{values.shape}{values.dtype.str}".encode())
+        hashed.update(values.tobytes())
+        hashed.update(json.dumps(_own_texts(data[name].attrs)).encode())
+    texts = _own_texts(data.attrs)
+    hashed.update(json.dumps(texts).encode())
+    return hashed.hexdigest()
+
+
+def _own_texts(attributes: dict[str, Any]) -> dict[str, str]:
+    """Attributes as text, without those that writing adds."""
+    return {key: str(value) for key, value in sorted(attributes.items()) if key not in ("coordinates", "sha256")}
+
+
+def save_netcdf(result: Result, path: Path) -> Path:
+    """Write a result to a NetCDF file; see `Result.save`."""
+    data = to_dataset(result)
+    try:
+        import h5netcdf  # noqa: F401, PLC0415
+        import h5py  # noqa: F401, PLC0415
+    except ImportError as error:
+        raise needs("io", "h5netcdf and h5py", "save") from error
+    packing = {name: PACKING if data[name].ndim else {} for name in data.variables}
+    return write_whole(path, lambda file: data.to_netcdf(file, engine="h5netcdf", encoding=packing))
+
+
+def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
+    """Let `write` fill a file beside `path`, then rename it: the file is whole, or as it was before."""
+    handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=f".{path.stem}-", dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        write(temporary)
+        with temporary.open("rb+") as file:
+            os.fsync(file.fileno())
+        umask = os.umask(0)
+        os.umask(umask)
+        temporary.chmod(0o666 & ~umask)
+        temporary.replace(path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+    return path
+
+
+def open_result(path: str | os.PathLike[str]) -> Result:
+    """Read a result from a NetCDF file that `Result.save` wrote: equal to the one that was saved.
+
+    Parameters
+    ----------
+    path : path-like
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    ParameterError
+        For a file that is missing, damaged, or no result.
+    ImportError
+        Naming the extra to install.
+
+    Examples
+    --------
+    >>> import comminute as cm, pathlib, tempfile
+    >>> result = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1)).run(stress_ratio=[1, 8])
+    >>> path = result.save(pathlib.Path(tempfile.mkdtemp(), "run.nc"))
+    >>> cm.open_result(path) == result
+    True
+    """
+    try:
+        import h5netcdf  # noqa: F401, PLC0415
+        import h5py  # noqa: F401, PLC0415
+        import xarray as xr  # noqa: PLC0415
+    except ImportError as error:
+        raise needs("io", "xarray, h5netcdf and h5py", "open_result") from error
+    file = Path(path)
+    if not file.is_file():
+        raise ParameterError(f"{file} does not exist; give a result file (.nc)")
+    try:
+        data = xr.load_dataset(file, engine="h5netcdf", decode_cf=False)
+        layout = str(data.attrs.get("layout", ""))
+        digest = _digest(data) if layout == LAYOUT else ""
+    except Exception as error:  # a damaged file can raise anything in the libraries below
+        raise ParameterError(
+            f"{file.name} cannot be read as NetCDF 4; it is damaged or another kind of file"
+        ) from error
+    if layout != LAYOUT:
+        raise ParameterError(f"{file.name} is no result of comminute (layout is '{layout}', not '{LAYOUT}')")
+    if digest != data.attrs.get("sha256"):
+        raise ParameterError(f"{file.name} is damaged or was changed: its fingerprint does not fit; run it again")
+    return _result(data)
+
+
+def _result(data: Any) -> Result:
+    texts = {key: str(value) for key, value in data.attrs.items()}
+    grid = LogGrid(**json.loads(texts["grid"]))
+    values = {name: np.array(data[name].values) for name in data.variables}
+    atoms: dict[int, list[list[float]]] = {}
+    if "atom_load" in values:
+        for load, *atom in zip(*(values[f"atom_{n}"] for n in ("load", "psi", "psibar", "mass")), strict=True):
+            atoms.setdefault(int(load), []).append([float(x) for x in atom])
+
+    def fabric(load: int, probability: Any, settled_at: float | None) -> Fabric:
+        more: dict[str, Any] = {"atoms": np.array(atoms[load])} if load in atoms else {}
+        mean: Any = texts["mean"]
+        return Fabric(grid, np.ascontiguousarray(probability), settled_at=settled_at, mean=mean, **more)
+
+    fabrics: list[Fabric | None] = [None] * values["stress_ratio"].size
+    for row, load in enumerate(values.get("fabric_load", ())):
+        at = float(values["settled_at"][row])
+        fabrics[int(load)] = fabric(int(load), values["fabric"][row], None if np.isnan(at) else at)
+    return Result(
+        material=material_of(json.loads(texts["material"])),
+        grid=grid,
+        start=fabric(START, values["start_fabric"], json.loads(texts["start_settled_at"])),
+        unit=texts["unit"],
+        stress_ratio=values["stress_ratio"],
+        stress=values.get("stress"),
+        pmf=values["pmf"],
+        crushes=values["crushes"],
+        mass_error=values["mass_error"],
+        engine=texts["engine"],
+        scheme=texts["scheme"],
+        notes=tuple(json.loads(texts["notes"])),
+        warnings=tuple(json.loads(texts["warnings"])),
+        fabrics=tuple(fabrics),
+        recipe=Recipe.from_json(texts["recipe"]) if texts["recipe"] else None,
+    )
