@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from comminute import simulation
-from comminute._core import Fabric, ParameterError, remix
+from comminute._core import Fabric, Material, ParameterError, remix
 from comminute.recipe import Recipe, plain
 from comminute.results import Result
 
@@ -41,7 +41,7 @@ def resume(
     whole, fabric = result, next_start(result)
     for k in range(path.stress_ratio.size):
         try:
-            part = one_load(whole, fabric, path, k, recipe)
+            part = one_load(result.material, result.scheme, fabric, path, k, recipe)
         except KeyboardInterrupt:
             raise simulation.Interrupted(whole) from None
         fabric = plain(part.fabric(0))
@@ -60,14 +60,18 @@ def next_start(result: Result) -> Fabric:
     return remix(fabric) if last in recipe_of(result).remix_after else fabric
 
 
-def one_load(like: Result, fabric: Fabric, path: simulation.LoadPath, k: int, recipe: Recipe) -> Result:
-    """Run load k of a path alone, from a fabric, with the settings of another result."""
+def one_load(
+    material: Material, scheme: str, fabric: Fabric, path: simulation.LoadPath, k: int, recipe: Recipe
+) -> Result:
+    """Run load k of a path alone, from a fabric, with the settings of a recipe."""
     settings: dict[str, Any] = {"engine": recipe.engine, "kind": recipe.kind, "steps_per_load": recipe.steps_per_load}
-    load = {"stress": [path.stress[k]]} if path.by_stress and path.stress is not None else {}
+    load: dict[str, Any] = {"stress_ratio": [path.stress_ratio[k]]}
+    if path.by_stress and path.stress is not None:
+        load = {"stress": [path.stress[k]]}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", simulation.ResolutionWarning)  # said once, of the whole
-        return simulation.Simulation(like.material, fabric, scheme=like.scheme).run(  # type: ignore[arg-type]
-            **(load or {"stress_ratio": [path.stress_ratio[k]]}), loading_rate=float(path.loading_rate[k]), **settings
+        return simulation.Simulation(material, fabric, scheme=scheme).run(  # type: ignore[arg-type]
+            **load, loading_rate=float(path.loading_rate[k]), **settings
         )
 
 

@@ -308,6 +308,26 @@ class Result:
             on_load=on_load,
         )
 
+    def slider(self) -> Any:
+        """Grading curves and fabric with a slider over the kept loads, for notebooks; needs ipywidgets.
+
+        Returns
+        -------
+        ipywidgets.VBox
+
+        Raises
+        ------
+        ImportError
+            Naming the extra to install.
+        ParameterError
+            If no fabric was kept.
+        """
+        try:
+            from comminute import everyday_plots  # noqa: PLC0415  (matplotlib is optional)
+        except ImportError as error:
+            raise needs("plot", "matplotlib", "slider") from error
+        return everyday_plots.slider(self)
+
     def plot(self, load: int = -1) -> Figure:
         """Grading curves of all loads beside the fabric after one of them; needs matplotlib.
 
