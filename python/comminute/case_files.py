@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import itertools
 import json
+import math
 import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,6 +29,7 @@ Made = TypeVar("Made")
 SWEPT = ("units", "material", "grading", "grid", "engine")
 LISTS = frozenset({"x", "finer", "size", "percent_finer", "places", "notes"})  # lists by nature, never a sweep
 MOST_RUNS = 1000
+MOST_BINS = 10_000
 MOST_BYTES = 4_000_000
 
 
@@ -323,23 +325,29 @@ def _grid(case: Case, material: Material, grading: Grading, largest_load: float)
     if table.bins is None and table.psi_min is None and table.psi_max is None:
         return fitted
     low = fitted.psi_min if table.psi_min is None else table.psi_min
-    high = fitted.psi_max if table.psi_max is None else table.psi_max
-    if table.bins is None:
-        bins = max(8, min(round((high - low) / fitted.spacing) + 1, 10_000)) if np.isfinite(high - low) else 8
-        return LogGrid(low, high, bins)
-    if table.psi_min is not None or table.psi_max is not None:
-        return LogGrid(low, high, table.bins)
-    return _with_bins(fitted, grading, table.bins)
-
-
-def _with_bins(fitted: LogGrid, grading: Grading, bins: int) -> LogGrid:
-    """As wide a grid as fits, of so many bins: point masses stay on centres, the largest grain on centre or edge."""
+    if table.psi_max is not None:
+        bins = table.bins or _bins_for(table.psi_max - low, fitted.spacing)
+        return LogGrid(low, table.psi_max, bins)
     top = float(np.log(grading.largest))
-    at_centre = abs(fitted.psi_max - top) < 0.25 * fitted.spacing
-    spacing = (fitted.psi_max - fitted.psi_min) / (bins - 1)
-    sizes = np.unique(grading._points(2)[0]) if at_centre else np.array([])
-    if sizes.size > 1:
-        gap = float(np.log(sizes[-1] / sizes[-2]))
-        spacing = gap / max(1, int(gap / spacing))
-    high = top if at_centre else top - 0.5 * spacing
-    return LogGrid(high - (bins - 1) * spacing, high, bins)
+    bins = table.bins or _bins_for(top - low, fitted.spacing)
+    if not low < top:
+        return LogGrid(low, top, bins)  # which says what is wrong with it
+    if abs(fitted.psi_max - top) > 0.25 * fitted.spacing:  # a spread grading ends at the last edge
+        spacing = (top - low) / (bins - 0.5)
+        return LogGrid(low, top - 0.5 * spacing, bins)
+    if table.psi_min is None:
+        low = top - (bins - 1) * _between_points(grading, (top - low) / (bins - 1))
+    return LogGrid(low, top, bins)
+
+
+def _bins_for(span: float, spacing: float) -> int:
+    return max(8, min(math.ceil(span / spacing) + 1, MOST_BINS)) if math.isfinite(span) else 8
+
+
+def _between_points(grading: Grading, spacing: float) -> float:
+    """Spacing no finer than wanted that puts the two coarsest point masses on centres."""
+    sizes = np.unique(grading._points(2)[0])
+    if sizes.size < 2:
+        return spacing
+    gap = float(np.log(sizes[-1] / sizes[-2]))
+    return gap / max(1, int(gap / spacing))

@@ -63,6 +63,9 @@ def plain_errors(command: Callable[P, None]) -> Callable[P, None]:
             _stop(str(error), MISSING_EXTRA)
         except MemoryError:
             _stop("the memory does not suffice; take fewer bins or keep fewer fabrics", FAILED)
+        except BrokenPipeError:
+            sys.stderr.close()  # the reader has gone, as `| head` does; nobody is left to tell
+            raise typer.Exit from None
         except OSError as error:
             _stop(f"{error.filename or 'a file'}: {error.strerror or error}", FAILED)
         except KeyboardInterrupt:

@@ -42,14 +42,14 @@ def resume(
     for k in range(path.stress_ratio.size):
         try:
             part = one_load(result.material, result.scheme, fabric, path, k, recipe)
+            fabric = plain(part.fabric(0))
+            if k in path.remix_after:
+                fabric = remix(fabric)
+            whole = joined(whole, part, keep=k in wanted, remixed=k in path.remix_after)
+            if on_load is not None:
+                on_load(k)
         except KeyboardInterrupt:
             raise simulation.Interrupted(whole) from None
-        fabric = plain(part.fabric(0))
-        if k in path.remix_after:
-            fabric = remix(fabric)
-        whole = joined(whole, part, keep=k in wanted, remixed=k in path.remix_after)
-        if on_load is not None:
-            on_load(k)
     return whole
 
 

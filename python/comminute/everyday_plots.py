@@ -70,12 +70,14 @@ def plot_curves(
         raise ParameterError(f"the gradings are in {', '.join(sorted(units))}; bring them to one unit")
     ax = _new_axes() if ax is None else ax
     unit = units.pop()
-    for name, (curve, style) in curves.items():
-        size, finer = _drawn(curve)
-        x = phi_of(size, unit) if phi else size
-        y = 100.0 * finer if axes != "rosin-rammler" else _weibull_scale(finer)
-        inside = np.isfinite(y) & (finer > 0.0 if axes == "loglog" else True)
-        ax.plot(x[inside], y[inside], label=name, **style)
+    for name, (curve, own_style) in curves.items():
+        (entry,) = ax.plot([], [], label=name, **own_style)  # measured points and tail share its colour
+        style = {"color": entry.get_color()} | own_style
+        for size, finer, how in ((curve.size, curve.finer, style), (*_tail(curve), style | {"marker": "", "ls": ":"})):
+            x = phi_of(size, unit) if phi else size
+            y = 100.0 * finer if axes != "rosin-rammler" else _weibull_scale(finer)
+            inside = np.isfinite(y) & (finer > 0.0 if axes == "loglog" else True)
+            ax.plot(x[inside], y[inside], **how)
     low, high = _size_range([curve for curve, _ in curves.values()])
     _size_axis(ax, low, high, unit, phi=phi, coarse_left=coarse_left)
     _share_axis(ax, axes)
@@ -83,9 +85,10 @@ def plot_curves(
         _draw_guide(ax, low, high, unit, phi=phi)
     ax.grid(alpha=0.3, lw=0.5)
     if len(curves) > 1 or (axes == "loglog" and guide):
-        title = "stress ratio" if isinstance(gradings, Result) else None
+        title = "stress ratio" if isinstance(gradings, Result) else ""
         place = "upper right" if phi or coarse_left else "upper left"
-        legend = ax.legend(title=title, fontsize="small", loc=place)
+        options: dict[str, Any] = {"title": title, "fontsize": "small", "loc": place}
+        legend = ax.legend(**options)
         legend.get_title().set_fontsize("small")
     return ax
 
@@ -109,13 +112,12 @@ def _curves(gradings: Any) -> dict[str, tuple[SizeCurve, dict[str, Any]]]:
     }
 
 
-def _drawn(curve: SizeCurve) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-    """Points of a curve with some of its tail."""
-    size, finer = curve.size, curve.finer
-    if curve.finer[0] > 0.0 and curve.tail_slope > 0.0:
-        tail = curve.size[0] * np.geomspace(1e-3, 1.0, 40)[:-1]
-        return np.append(tail, size), np.append(curve.finer_than(tail), finer)
-    return size, finer
+def _tail(curve: SizeCurve) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Points of the assumed tail below the finest point; none where the curve ends."""
+    if not (curve.finer[0] > 0.0 and curve.tail_slope > 0.0):
+        return np.array([]), np.array([])
+    size = curve.size[0] * np.geomspace(1e-3, 1.0, 40)
+    return size, curve.finer_than(size)
 
 
 def _weibull_scale(finer: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
