@@ -20,7 +20,7 @@ from comminute.reading import SieveData, read_sieves
 from comminute.recipe import law_of
 from comminute.sieves import unit_of
 from comminute.simulation import Simulation, _load_path
-from comminute.tables import read_table, shorten
+from comminute.tables import is_file, read_table, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -71,9 +71,10 @@ def read_case(path: Path) -> list[ReadyCase]:
     ParameterError
         Naming file, table, key and value, the rule, and the remedy.
     """
-    if not path.is_file():
-        what = "is a folder" if path.is_dir() else "does not exist"
-        raise ParameterError(f"{path} {what}; give a case file (.toml); comminute new DIR makes one")
+    if not is_file(path):
+        raise ParameterError(
+            f"{shorten(str(path), 200)} is no file; give a case file (.toml); comminute new DIR makes one"
+        )
     if path.stat().st_size > MOST_BYTES:
         raise ParameterError(f"{path.name} has {path.stat().st_size / 1e6:.0f} MB; a case file has a few lines")
     try:
@@ -135,7 +136,12 @@ def _target(path: Path, file: str, number: int, runs: int) -> Path:
     target = path.parent / file
     if target.suffix != ".nc":
         raise ParameterError(f"{path.name} [output] file is '{shorten(file)}'; it must end in .nc")
-    if not target.parent.is_dir():
+    try:
+        target.exists()  # a name that no file can have raises here
+        reachable = target.parent.is_dir()
+    except (OSError, ValueError):
+        reachable = False
+    if not reachable:
         raise ParameterError(f"{path.name} [output] file is '{shorten(file)}'; its folder does not exist")
     width = len(str(runs))
     return target if runs == 1 else target.with_name(f"{target.stem}-{number:0{width}}{target.suffix}")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from comminute._core import ParameterError
+from comminute.tables import shorten
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -197,4 +198,4 @@ def sieve_size(name: str) -> float:
         if key.isdecimal():
             known = [f"No. {min(ASTM_NUMBERS, key=lambda number: abs(number - int(key[:9]))):g}"]
     near = difflib.get_close_matches(text, known, n=1, cutoff=0.0)
-    raise ParameterError(f"sieve is '{name}'; ASTM E11 has no such sieve. Did you mean {near[0]}?")
+    raise ParameterError(f"sieve is '{shorten(name)}'; ASTM E11 has no such sieve. Did you mean {near[0]}?")

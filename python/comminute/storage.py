@@ -14,11 +14,14 @@ import numpy as np
 from comminute._core import Fabric, LogGrid, ParameterError, __version__
 from comminute.recipe import Recipe, fabric_parts, grid_record, material_of, material_record
 from comminute.results import Result, needs
+from comminute.tables import is_file, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 LAYOUT = "comminute result 1"
+SEAL = b"comminute sha256 "
+SEAL_SIZE = len(SEAL) + 64 + 1
 START = -1  # load index under which atoms of the start are stored
 PACKING = {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True, "_FillValue": None}
 
@@ -55,9 +58,7 @@ def to_dataset(result: Result) -> Any:
     variables |= _fabric_variables(kept, parts, result.grid.bins)
     if kept:
         coords["fabric_load"] = ("fabric_load", np.array(kept, dtype=np.int64), {"long_name": "index of a kept load"})
-    data = xr.Dataset(variables, coords, _attributes(result, parts))
-    data.attrs["sha256"] = _digest(data)
-    return data
+    return xr.Dataset(variables, coords, _attributes(result, parts))
 
 
 def _fabric_variables(kept: list[int], parts: dict[int, dict[str, Any]], bins: int) -> dict[str, Any]:
@@ -109,22 +110,26 @@ def _attributes(result: Result, parts: dict[int, dict[str, Any]]) -> dict[str, A
     }
 
 
-def _digest(data: Any) -> str:
-    """Fingerprint of every array and every text, by name, to find damage that the file format does not."""
-    hashed = hashlib.sha256()
-    for name in sorted(data.variables):
-        values = np.ascontiguousarray(data[name].values)
-        hashed.update(f"{name}{data[name].dims}{values.shape}{values.dtype.str}".encode())
-        hashed.update(values.tobytes())
-        hashed.update(json.dumps(_own_texts(data[name].attrs)).encode())
-    texts = _own_texts(data.attrs)
-    hashed.update(json.dumps(texts).encode())
-    return hashed.hexdigest()
+def _seal(file: Path) -> None:
+    """Write a fingerprint of the file behind its end, where readers of HDF5 do not look."""
+    with file.open("rb") as whole:
+        digest = hashlib.file_digest(whole, "sha256").hexdigest()
+    with file.open("ab") as end:
+        end.write(SEAL + digest.encode() + b"\n")
 
 
-def _own_texts(attributes: dict[str, Any]) -> dict[str, str]:
-    """Attributes as text, without those that writing adds."""
-    return {key: str(value) for key, value in sorted(attributes.items()) if key not in ("coordinates", "sha256")}
+def _require_sealed(file: Path) -> None:
+    """Refuse a file that is not as it was written: HDF5 may read a damaged one as another, or never come to an end."""
+    content = file.read_bytes()
+    body, seal = content[:-SEAL_SIZE], content[-SEAL_SIZE:]
+    if seal == SEAL + hashlib.sha256(body).hexdigest().encode() + b"\n":
+        return
+    if content[:8] != b"\x89HDF\r\n\x1a\n":
+        raise ParameterError(f"{file.name} is no NetCDF 4 file; give a result file (.nc)")
+    raise ParameterError(
+        f"{file.name} is no result as comminute wrote it: it is damaged, cut short, or was changed by another program; "
+        "run it again"
+    )
 
 
 def save_netcdf(result: Result, path: Path) -> Path:
@@ -136,7 +141,12 @@ def save_netcdf(result: Result, path: Path) -> Path:
     except ImportError as error:
         raise needs("io", "h5netcdf and h5py", "save") from error
     packing = {name: PACKING if data[name].ndim else {} for name in data.variables}
-    return write_whole(path, lambda file: data.to_netcdf(file, engine="h5netcdf", encoding=packing))
+
+    def write(file: Path) -> None:
+        data.to_netcdf(file, engine="h5netcdf", encoding=packing)
+        _seal(file)
+
+    return write_whole(path, write)
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
@@ -191,20 +201,15 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     except ImportError as error:
         raise needs("io", "xarray, h5netcdf and h5py", "open_result") from error
     file = Path(path)
-    if not file.is_file():
-        raise ParameterError(f"{file} does not exist; give a result file (.nc)")
-    try:
-        data = xr.load_dataset(file, engine="h5netcdf", decode_cf=False)
-        layout = str(data.attrs.get("layout", ""))
-        digest = _digest(data) if layout == LAYOUT else ""
-    except Exception as error:  # a damaged file can raise anything in the libraries below
-        raise ParameterError(
-            f"{file.name} cannot be read as NetCDF 4; it is damaged or another kind of file"
-        ) from error
+    if not is_file(file):
+        raise ParameterError(f"{shorten(str(file), 200)} does not exist; give a result file (.nc)")
+    _require_sealed(file)
+    data = xr.load_dataset(file, engine="h5netcdf", decode_cf=False)
+    layout = str(data.attrs.get("layout", ""))
     if layout != LAYOUT:
-        raise ParameterError(f"{file.name} is no result of comminute (layout is '{layout}', not '{LAYOUT}')")
-    if digest != data.attrs.get("sha256"):
-        raise ParameterError(f"{file.name} is damaged or was changed: its fingerprint does not fit; run it again")
+        raise ParameterError(
+            f"{file.name} has the layout '{shorten(layout)}', not '{LAYOUT}'; it needs another version"
+        )
     return _result(data)
 
 

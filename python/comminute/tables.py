@@ -75,6 +75,14 @@ def shorten(text: str, most: int = 40) -> str:
     return clean if len(clean) <= most else clean[: most - 3] + "..."
 
 
+def is_file(path: Path) -> bool:
+    """Whether a path names a file; a name that no file can have does not."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
 def read_table(path: Path) -> Table:
     """Table in a .csv, .txt, .tsv or .xlsx file.
 
@@ -85,9 +93,8 @@ def read_table(path: Path) -> Table:
     ImportError
         For .xlsx where pandas or openpyxl is missing.
     """
-    if not path.is_file():
-        what = "is a folder" if path.is_dir() else "does not exist"
-        raise ParameterError(f"{path} {what}; give a sieve table (.csv or .xlsx)")
+    if not is_file(path):
+        raise ParameterError(f"{shorten(str(path), 200)} is no file; give a sieve table (.csv or .xlsx)")
     if path.stat().st_size > MOST_BYTES:
         raise ParameterError(f"{path.name} has {path.stat().st_size / 1e6:.0f} MB; a sieve table has a few lines")
     if path.suffix.lower() in (".xlsx", ".xls", ".ods"):
@@ -145,7 +152,8 @@ def _without_comment(line: str) -> str:
 def _table(name: str, rows: list[Row], *, decimal_comma: bool) -> Table:
     if not rows:
         raise ParameterError(f"{name} is empty; it needs a header line and at least two sieves")
-    header, *body = rows
+    first, *body = rows
+    header = Row(first.number, tuple(shorten(cell) for cell in first.cells))
     width = len(header.cells)
     for row in body:
         extra = [cell for cell in row.cells[width:] if cell]

@@ -200,7 +200,7 @@ MESSAGES = [
         "reference_size = []",
         "case.toml [material] reference_size is an empty list; a sweep needs",
     ),
-    ('kind = "gap-graded"', 'file = "no.csv"\n#', "no.csv does not exist; give a sieve table (.csv or .xlsx)"),
+    ('kind = "gap-graded"', 'file = "no.csv"\n#', "no.csv is no file; give a sieve table (.csv or .xlsx)"),
 ]
 
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ pytest.importorskip("h5netcdf")
 
 from typer.testing import CliRunner, Result
 
-from comminute import case_runs
+from comminute import continuing
 from comminute.cli import app
 
 CASE = """
@@ -249,14 +250,14 @@ def whole_run(folder: Path) -> cm.Result:
 def test_control_c_keeps_the_finished_loads(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "case.toml").write_text(LONG)
     whole = whole_run(folder)
-    one_load, count = case_runs.continuing.one_load, iter(range(100))
+    one_load, count = continuing.one_load, iter(range(100))
 
-    def stop(*args: object) -> cm.Result:
+    def stop(*args: Any) -> cm.Result:
         if next(count) == 7:
             raise KeyboardInterrupt
-        return one_load(*args)  # type: ignore[arg-type]
+        return one_load(*args)
 
-    monkeypatch.setattr(case_runs.continuing, "one_load", stop)
+    monkeypatch.setattr(continuing, "one_load", stop)
     stopped = call("run", folder / "case.toml")
     monkeypatch.undo()
     assert stopped.exit_code == 130

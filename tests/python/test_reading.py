@@ -1,5 +1,6 @@
 """Sieve tables in every form that a laboratory writes them, and what is said of those that cannot be read."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ RETAINED = [0, 7, 26, 34, 20, 12]
 EXPECTED = cm.Grading.from_sieves(SIZE, FINER)
 
 
-def lines(header: str, *columns: list[float], delimiter: str = ",", decimal: str = ".") -> str:
+def lines(header: str, *columns: Sequence[float], delimiter: str = ",", decimal: str = ".") -> str:
     rows = [
         delimiter.join(f"{value:.10g}".replace(".", decimal) for value in row) for row in zip(*columns, strict=True)
     ]
@@ -173,9 +174,9 @@ def test_message(text: str, words: str, tmp_path: Path) -> None:
 
 
 def test_files_that_are_none(tmp_path: Path) -> None:
-    with pytest.raises(cm.ParameterError, match=r"none.csv does not exist; give a sieve table"):
+    with pytest.raises(cm.ParameterError, match=r"none.csv is no file; give a sieve table"):
         cm.Grading.read(tmp_path / "none.csv")
-    with pytest.raises(cm.ParameterError, match="is a folder"):
+    with pytest.raises(cm.ParameterError, match="is no file"):
         cm.Grading.read(tmp_path)
     with pytest.raises(cm.ParameterError, match="is no text file"):
         read(tmp_path, b"size_mm\x00\x00")

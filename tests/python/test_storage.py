@@ -111,16 +111,18 @@ def test_damage_is_found(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     with h5py.File(path, "r+") as file:
         file["crushes"][0] = 0.5
-    with pytest.raises(cm.ParameterError, match=r"run\.nc is damaged or was changed: its fingerprint does not fit"):
+    with pytest.raises(
+        cm.ParameterError, match=r"run\.nc is no result as comminute wrote it: it is damaged, cut short"
+    ):
         cm.open_result(path)
     path.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(cm.ParameterError, match=r"run\.nc cannot be read as NetCDF 4"):
+    with pytest.raises(cm.ParameterError, match=r"run\.nc is no result as comminute wrote it"):
         cm.open_result(path)
     path.write_text("size_mm,percent_finer\n")
-    with pytest.raises(cm.ParameterError, match=r"run\.nc cannot be read as NetCDF 4"):
+    with pytest.raises(cm.ParameterError, match=r"run\.nc is no NetCDF 4 file; give a result file"):
         cm.open_result(path)
     xr.Dataset({"a": ("x", [1.0])}).to_netcdf(path, engine="h5netcdf")
-    with pytest.raises(cm.ParameterError, match=r"run\.nc is no result of comminute"):
+    with pytest.raises(cm.ParameterError, match=r"run\.nc is no result as comminute wrote it"):
         cm.open_result(path)
     with pytest.raises(cm.ParameterError, match=r"none\.nc does not exist"):
         cm.open_result(tmp_path / "none.nc")
