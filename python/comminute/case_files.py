@@ -174,6 +174,13 @@ def _explained(error: ValidationError, raw: dict[str, Any], name: str) -> str:
         near = difflib.get_close_matches(key, known, n=1, cutoff=0.0)
         meant = f"; did you mean {near[0]}?" if near else ""
         return f"{where}: unknown {'key' if tables else 'table'}{meant} (known: {', '.join(known)})"
+    if first["type"] == "union_tag_invalid":
+        choice, tag = first["ctx"]["discriminator"].strip("'"), str(first["ctx"]["tag"])
+        known = [word.strip(" '") for word in first["ctx"]["expected_tags"].split(",")]
+        near = difflib.get_close_matches(tag, known, n=1, cutoff=0.4)
+        meant = f"; did you mean {near[0]}?" if near else ""
+        place = f"{name} [{'.'.join([*tables, key])}]"
+        return f"{place} {choice} is '{shorten(tag)}'; it must be one of {', '.join(known)}{meant}"
     if first["type"] == "missing":
         return f"{where}: is missing; it must be given"
     rule = first["msg"][0].lower() + first["msg"][1:]

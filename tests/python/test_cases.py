@@ -194,6 +194,12 @@ MESSAGES = [
         "case.toml [output] file is 'no/run.nc'; its folder does not exist",
     ),
     ("[grid]", '[engine]\nname = "quick"\n[grid]', "case.toml [engine] name is 'quick'; input should be 'auto'"),
+    (
+        '"weibull"',
+        '"weibul"',
+        "[material.fragments] law is 'weibul'; it must be one of weibull, power-law, lognormal, tab",
+    ),
+    ('"gap-graded"', '"gap"', "case.toml [grading] kind is 'gap'; it must be one of file, sieves, monodisperse, gap-"),
     ("[grid]", "[grid", "case.toml is no TOML: "),
     (
         "reference_size = 2.0",

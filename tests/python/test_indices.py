@@ -125,7 +125,7 @@ def test_einav_against_quadrature(smallest: float) -> None:
     top = 2.0
 
     def ultimate(d: float) -> float:
-        return max(d**0.4 - smallest**0.4, 0.0) / (top**0.4 - smallest**0.4)
+        return float(max(d**0.4 - smallest**0.4, 0.0) / (top**0.4 - smallest**0.4))
 
     cuts = np.log([1e-12, 1e-6, 0.01, 0.02, 0.063, 0.08, 0.16, 0.25, 0.5, 1.0, 1.6, 2.0])
 
