@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import glob
 import json
 import time
 import warnings
@@ -46,6 +47,9 @@ def claimed(target: Path) -> Iterator[None]:
             raise OutputExistsError(
                 f"another run is writing {target.name}; wait for it, or name another file"
             ) from None
+        for written in (target, part_of(target)):
+            for scrap in target.parent.glob(f".{glob.escape(written.name)}.*.tmp"):  # of a run that was killed
+                scrap.unlink(missing_ok=True)
         try:
             yield
         finally:
@@ -96,7 +100,7 @@ def run_case(
         As `Simulation.run`.
     """
     result = earlier
-    saved, cost = time.monotonic(), 0.0
+    saved, cost, written = time.monotonic(), 0.0, False
     try:
         for result in _loads(case, earlier):
             if on_load is not None:
@@ -106,17 +110,18 @@ def run_case(
                 save_netcdf(result, part_of(case.target))
                 saved = time.monotonic()
                 cost = saved - begun
+        assert result is not None
+        done = _wanted_fabrics(result, case)
+        save_netcdf(done, case.target)
+        written = True
+        part_of(case.target).unlink(missing_ok=True)
     except KeyboardInterrupt:
-        if result is not None:
+        if result is not None and not written:
             save_netcdf(result, part_of(case.target))
         raise simulation.Interrupted(result) from None
-    assert result is not None
-    result = _wanted_fabrics(result, case)
-    save_netcdf(result, case.target)
-    part_of(case.target).unlink(missing_ok=True)
-    for warning in result.warnings:
+    for warning in done.warnings:
         warnings.warn(warning, simulation.ResolutionWarning, stacklevel=2)
-    return result
+    return done
 
 
 def _loads(case: ReadyCase, earlier: Result | None) -> Iterator[Result]:

@@ -148,6 +148,7 @@ def _begun(ready: ReadyCase, *, resume: bool, force: bool) -> tuple[Result | Non
     if resume:
         if target.exists():
             complete = finished_loads(ready, target)
+            part.unlink(missing_ok=True)  # a stop between the last two steps of a run leaves it
             return None, complete
         return finished_loads(ready, part), None
     if target.exists():

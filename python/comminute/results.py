@@ -325,7 +325,7 @@ class Result:
         try:
             from comminute import everyday_plots  # noqa: PLC0415  (matplotlib is optional)
         except ImportError as error:
-            raise needs("plot", "matplotlib", "slider") from error
+            raise needs("notebook", "matplotlib and ipywidgets", "slider") from error
         return everyday_plots.slider(self)
 
     def plot(self, load: int = -1) -> Figure:

@@ -134,12 +134,13 @@ def _require_sealed(file: Path) -> None:
 
 def save_netcdf(result: Result, path: Path) -> Path:
     """Write a result to a NetCDF file; see `Result.save`."""
-    data = to_dataset(result)
     try:
         import h5netcdf  # noqa: F401, PLC0415
         import h5py  # noqa: F401, PLC0415
+        import xarray  # noqa: F401, PLC0415
     except ImportError as error:
-        raise needs("io", "h5netcdf and h5py", "save") from error
+        raise needs("io", "xarray, h5netcdf and h5py", f"saving {path.name}") from error
+    data = to_dataset(result)
     packing = {name: PACKING if data[name].ndim else {} for name in data.variables}
 
     def write(file: Path) -> None:
@@ -151,7 +152,7 @@ def save_netcdf(result: Result, path: Path) -> Path:
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
     """Let `write` fill a file beside `path`, then rename it: the file is whole, or as it was before."""
-    handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=f".{path.stem}-", dir=path.parent)
+    handle, name = tempfile.mkstemp(suffix=".tmp", prefix=f".{path.name}.", dir=path.parent)
     os.close(handle)
     temporary = Path(name)
     try:

@@ -300,6 +300,7 @@ def kill_and_resume(folder: Path, seconds: float, whole: cm.Result) -> int:
     )
     assert resumed.returncode == 0, resumed.stderr
     assert cm.open_result(folder / "run.nc") == whole
+    assert sorted(p.name for p in folder.iterdir()) == ["case.toml", "run.nc", "sand.csv", "whole.nc"]
     return found
 
 
