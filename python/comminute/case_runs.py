@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from comminute.results import Result
 
-LOADS_TO_SAVES = 10.0  # time spent on loads to time spent on saving what is finished
+LOADS_TO_SAVES = 4.0  # time spent on loads to time spent on saving what is finished
 
 
 class OutputExistsError(Exception):

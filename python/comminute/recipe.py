@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -45,7 +45,7 @@ class Recipe:
         Kernel asked for.
     steps_per_load : int or "rest"
     by_stress : bool
-        The loads were given as stresses.
+        The loads were given as stresses; not compared, since the same loads may be given either way.
     stress_unit : str
         Of the stresses, as text.
     case : str
@@ -57,7 +57,7 @@ class Recipe:
     engine: str = "auto"
     kind: str | None = None
     steps_per_load: int | Literal["rest"] = "rest"
-    by_stress: bool = False
+    by_stress: bool = field(default=False, compare=False)
     stress_unit: str = ""
     case: str = ""
 
