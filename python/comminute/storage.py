@@ -42,7 +42,8 @@ def to_dataset(result: Result) -> Any:
     }
     if result.stress is not None:
         stress_unit = result.recipe.stress_unit if result.recipe else ""
-        coords["stress"] = ("load", result.stress, {"long_name": "stress", "units": stress_unit or "1"})
+        known = {"units": stress_unit} if stress_unit else {}  # that of first_crush_stress, whatever it is
+        coords["stress"] = ("load", result.stress, {"long_name": "stress", **known})
     names = {
         "pmf": (("load", "psi"), "mass fraction by bin"),
         "cdf": (("load", "psi"), "mass fraction finer than edge_size"),

@@ -87,6 +87,8 @@ def test_a_run_equals_the_library_and_carries_its_case(folder: Path) -> None:
     np.testing.assert_array_equal(result.pmf, by_hand.pmf)
     np.testing.assert_array_equal(result.crushes, by_hand.crushes)
     assert result.fabric(-1) == by_hand.fabric(-1)
+    assert result.to_xarray()["stress"].attrs["units"] == "MPa"
+    assert "units" not in by_hand.to_xarray()["stress"].attrs
     assert result.recipe is not None
     assert json.loads(result.recipe.case)["grading"]["size"] == [2.0, 1.0, 0.5, 0.2]
     assert cm.run_again(result) == result
