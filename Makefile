@@ -51,6 +51,8 @@ check: lint sanitize test
 check-long: $(VENV)/.installed
 	COMMINUTE_HYPOTHESIS=long $(PY) -m pytest -q tests/python/test_against_reference.py tests/python/test_laws.py \
 	  tests/python/test_lattice.py
+	$(PY) tests/python/mutations.py 60000 30000 20000
+	COMMINUTE_KILLS=50 $(PY) -m pytest -q -s tests/python/test_cli.py -k killed
 
 clean:
 	rm -rf $(VENV) build out

@@ -165,6 +165,41 @@ Fabric Fabric::binned() const {
         {grid(), std::move(p), {}, {}, std::nullopt, mean(), marginal, marginal, {}, marginal});
 }
 
+CarriedMarginals Fabric::carried() const {
+    return {data_->rows, data_->spread, data_->points};
+}
+
+Fabric Fabric::with_carried(CarriedMarginals marginals) const {
+    const auto require_close = [](double given, double own, const std::string& place) {
+        if (std::abs(given - own) <= 1e-9) return;
+        throw ParameterError(place + " of the carried marginals is " + text(given) + "; the fabric has " +
+                             text(own) + " there. Pass what `carried` gave for the same fabric");
+    };
+    const std::size_t bins = data_->rows.size();
+    if (marginals.rows.size() != bins || marginals.spread.size() != bins ||
+        marginals.points.size() != data_->points.size()) {
+        throw ShapeError("the carried marginals have " + std::to_string(marginals.rows.size()) + " and " +
+                         std::to_string(marginals.spread.size()) + " bins and " +
+                         std::to_string(marginals.points.size()) + " points; the fabric has " +
+                         std::to_string(bins) + " bins and " + std::to_string(data_->points.size()) +
+                         " points");
+    }
+    for (std::size_t i = 0; i < bins; ++i) {
+        require_close(marginals.rows[i], data_->rows[i], "rows[" + std::to_string(i) + "]");
+        require_close(marginals.spread[i], data_->spread[i], "spread[" + std::to_string(i) + "]");
+    }
+    for (std::size_t a = 0; a < marginals.points.size(); ++a) {
+        require_close(marginals.points[a].psi, data_->points[a].psi, place_text("points", a, ".psi"));
+        require_close(marginals.points[a].mass, data_->points[a].mass, place_text("points", a, ".mass"));
+    }
+    Data data = *data_;
+    data.rows = std::move(marginals.rows);
+    data.spread = std::move(marginals.spread);
+    data.points = std::move(marginals.points);
+    data.grainsize = with_points(data.grid, data.spread, data.points);
+    return Fabric(std::make_shared<const Data>(std::move(data)));
+}
+
 bool operator==(const Fabric& a, const Fabric& b) {
     return a.data_ == b.data_ ||
            (a.grid() == b.grid() && a.mean() == b.mean() && a.settled_at() == b.settled_at() &&

@@ -52,33 +52,6 @@ double finest_fragment(const Material& material, double top, double max_stress_r
     return crushable - band - reach;
 }
 
-/// Where in bin i the cdf reaches `finer`: linear between its jumps.
-double inside_bin(const LogGrid& grid, Index i, double below, double above, double finer,
-                  const std::vector<PointMass>& points) {
-    double spread = above - below;
-    for (const PointMass& point : points) {
-        if (grid.bin_of(point.psi) == i) spread -= point.mass;
-    }
-    const double slope = std::max(spread, 0.0) / grid.spacing();
-    double psi = grid.edge(i);
-    double reached = below;
-    const auto rise_to = [&](double end) {
-        const double risen = slope * (end - psi);
-        if (reached + risen >= finer && risen > 0.0) return true;
-        reached += risen;
-        psi = end;
-        return false;
-    };
-    for (const PointMass& point : points) {
-        if (grid.bin_of(point.psi) != i) continue;
-        if (rise_to(point.psi)) break;
-        reached += point.mass;
-        if (reached >= finer - 1e-12) return point.psi;
-    }
-    return slope > 0.0 ? std::min(psi + std::max(finer - reached, 0.0) / slope, grid.edge(i + 1))
-                       : grid.edge(i + 1);
-}
-
 }  // namespace
 
 double PointMasses::finer(double size_at) const {
@@ -275,34 +248,6 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
     const double psi_max = points != nullptr ? top : top - 0.5 * h;
     const auto below_top = static_cast<Index>(std::ceil((psi_max - bottom) / h));
     return {psi_max - static_cast<double>(below_top) * h, psi_max, below_top + 1};
-}
-
-double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate,
-                  const std::vector<PointMass>& points) {
-    require(percent >= 0.0 && percent <= 100.0, "percent", percent, "between 0 and 100");
-    if (cdf.size() != grid.bins()) {
-        throw ShapeError("cdf has " + std::to_string(cdf.size()) + " entries; the grid has " +
-                         std::to_string(grid.bins()) + " bins");
-    }
-    constexpr double rounding = 1e-12;  // a cdf is a sum: its plateaus and its 1 are good to this
-    const double finer = percent / 100.0;
-    const std::string name = "D" + text(percent);
-    const auto* bin = std::find_if(cdf.begin(), cdf.end(), [&](double f) { return f >= finer - rounding; });
-    if (bin == cdf.end()) {
-        throw ParameterError(name + " lies above the largest size: only " +
-                             text(100.0 * cdf[cdf.size() - 1]) + " % are finer");
-    }
-    const auto i = bin - cdf.begin();
-    if (i == 0) {
-        const double slope = std::log(cdf[1] / cdf[0]) / grid.spacing();
-        if (extrapolate && finer > 0.0 && slope > 0.0 && std::isfinite(slope)) {
-            return std::exp(grid.edge(1) + std::log(finer / cdf[0]) / slope);
-        }
-        throw ParameterError(name + " lies in the fines bin, which holds " + text(100.0 * cdf[0]) +
-                             " % below a size of " + text(std::exp(grid.edge(1))) +
-                             "; lower psi_min to resolve it, or pass extrapolate = true");
-    }
-    return std::exp(inside_bin(grid, i, cdf[i - 1], *bin, finer, points));
 }
 
 }  // namespace comminute

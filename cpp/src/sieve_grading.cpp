@@ -12,17 +12,18 @@ namespace {
 struct Point {
     double size;
     double finer;
-    std::size_t row;  // where the user wrote it, counted from 1
+    std::string place;  // where the user wrote it
 };
 
-std::string row_text(const Point& point) {
-    return "row " + std::to_string(point.row);
-}
-
-std::vector<Point> sorted_points(const std::vector<double>& size, const std::vector<double>& percent_finer) {
+std::vector<Point> sorted_points(const std::vector<double>& size, const std::vector<double>& percent_finer,
+                                 const std::vector<std::string>& places) {
     if (size.size() != percent_finer.size()) {
         throw ShapeError("size has " + std::to_string(size.size()) + " entries and percent_finer has " +
                          std::to_string(percent_finer.size()) + "; give one per cent finer for each size");
+    }
+    if (!places.empty() && places.size() != size.size()) {
+        throw ShapeError("size has " + std::to_string(size.size()) + " entries and places has " +
+                         std::to_string(places.size()) + "; name every point or none");
     }
     if (size.size() < 2) {
         throw ParameterError("the sieve curve has " + std::to_string(size.size()) +
@@ -30,13 +31,14 @@ std::vector<Point> sorted_points(const std::vector<double>& size, const std::vec
     }
     std::vector<Point> points;
     for (std::size_t q = 0; q < size.size(); ++q) {
-        const Point point{size[q], percent_finer[q], q + 1};
+        const Point point{size[q], percent_finer[q],
+                          places.empty() ? "row " + std::to_string(q + 1) : places[q]};
         if (!(point.size > 0.0 && std::isfinite(point.size))) {
-            throw ParameterError(row_text(point) + ": size is " + text(point.size) +
+            throw ParameterError(point.place + ": size is " + text(point.size) +
                                  "; it must be greater than 0 and finite");
         }
         if (!(point.finer >= 0.0 && point.finer <= 100.0)) {
-            throw ParameterError(row_text(point) + ": percent_finer is " + text(point.finer) +
+            throw ParameterError(point.place + ": percent_finer is " + text(point.finer) +
                                  "; it must be between 0 and 100");
         }
         points.push_back(point);
@@ -46,21 +48,21 @@ std::vector<Point> sorted_points(const std::vector<double>& size, const std::vec
     return points;
 }
 
-void require_rising(const std::vector<Point>& points, const std::string& unit) {
-    const std::string in_unit = unit.empty() ? "" : " " + unit;
+void require_rising(const std::vector<Point>& points, const SieveOptions& options) {
+    const std::string in_unit = options.unit.empty() ? "" : " " + options.unit;
     for (std::size_t q = 1; q < points.size(); ++q) {
         const Point& below = points[q - 1];
         const Point& here = points[q];
         if (here.size == below.size) {
-            throw ParameterError(row_text(here) + ": size " + text(here.size) + in_unit + " stands in " +
-                                 row_text(below) + " already; each sieve may appear once");
+            throw ParameterError(here.place + ": size " + text(here.size) + in_unit + " stands in " +
+                                 below.place + " already; each sieve may appear once");
         }
         if (here.finer < below.finer) {
-            throw ParameterError(row_text(here) + ": " + text(here.finer) + " % finer at " + text(here.size) +
+            throw ParameterError(here.place + ": " + text(here.finer) + " % finer at " + text(here.size) +
                                  in_unit + " is less than " + text(below.finer) + " % at " +
                                  text(below.size) + in_unit +
-                                 "; cumulative per cent finer cannot fall with size. Retained percentages? "
-                                 "convert them to per cent finer first");
+                                 "; cumulative per cent finer cannot fall with size. Retained percentages? " +
+                                 options.if_retained);
         }
     }
 }
@@ -81,7 +83,7 @@ void close_top(std::vector<Point>& points, const std::string& unit, bool extend,
     }
     const double slope = (last.finer - before.finer) / std::log(last.size / before.size);
     const double top = last.size * std::exp((100.0 - last.finer) / slope);
-    points.push_back({top, 100.0, 0});
+    points.push_back({top, 100.0, ""});
     notes.push_back(found + ": the curve is carried on at its last slope to 100 % at " + text(top) + in_unit);
 }
 
@@ -110,27 +112,52 @@ double tail_slope(const std::vector<Point>& points, const std::string& unit,
     return slope;
 }
 
+// Shares of grains become shares of mass: in each interval, a mass that is spread evenly in ln d has grains in
+// proportion to the mean of d^-3.
+void weigh(std::vector<Point>& points, const std::string& unit) {
+    if (points[0].finer > 0.0) {
+        throw ParameterError(
+            text(points[0].finer) + " % of the grains are finer than the finest sieve, " +
+            text(points[0].size) + (unit.empty() ? "" : " " + unit) +
+            "; numbers of grains need a size with 0 % finer, since no mass can be read from an "
+            "open tail");
+    }
+    const double largest = points.back().size;
+    std::vector<double> mass{0.0};
+    for (std::size_t q = 1; q < points.size(); ++q) {
+        const double low = points[q - 1].size / largest;
+        const double high = points[q].size / largest;
+        const double per_mass = (std::pow(low, -3.0) - std::pow(high, -3.0)) / (3.0 * std::log(high / low));
+        mass.push_back(mass.back() + (points[q].finer - points[q - 1].finer) / per_mass);
+    }
+    for (std::size_t q = 0; q < points.size(); ++q) points[q].finer = 100.0 * (mass[q] / mass.back());
+}
+
 }  // namespace
 
 Grading sieve_grading(const std::vector<double>& size, const std::vector<double>& percent_finer,
-                      std::string unit, bool extend_top) {
+                      const SieveOptions& options) {
     std::vector<std::string> notes;
-    std::vector<Point> points = sorted_points(size, percent_finer);
+    std::vector<Point> points = sorted_points(size, percent_finer, options.places);
     const auto by_finer = [](const Point& p, const Point& q) { return p.finer < q.finer; };
     if (std::max_element(points.begin(), points.end(), by_finer)->finer == 1.0) {
         for (Point& point : points) point.finer *= 100.0;
         notes.emplace_back("the values end at 1: read as fractions, not per cent");
     }
-    require_rising(points, unit);
-    close_top(points, unit, extend_top, notes);
+    require_rising(points, options);
+    close_top(points, options.unit, options.extend_top, notes);
     trim(points);
+    if (options.by_number) {
+        weigh(points, options.unit);
+        notes.emplace_back("the shares count grains: converted to mass with weights of size cubed");
+    }
     SieveCurve curve;
-    curve.tail_slope = tail_slope(points, unit, notes);
+    curve.tail_slope = tail_slope(points, options.unit, notes);
     for (const Point& point : points) {
         curve.size.push_back(point.size);
         curve.finer_than.push_back(point.finer / 100.0);
     }
-    return {std::move(curve), std::move(unit), std::move(notes)};
+    return {std::move(curve), options.unit, std::move(notes)};
 }
 
 }  // namespace comminute

@@ -17,6 +17,7 @@ void register_criterion(py::module_& m);
 void register_kernel(py::module_& m);
 void register_fabric(py::module_& m);
 void register_grading(py::module_& m);
+void register_ideal_gradings(py::module_& m);
 void register_engines(py::module_& m);
 void register_lattice(py::module_& m);
 void register_quasi_static(py::module_& m);

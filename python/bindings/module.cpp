@@ -71,6 +71,7 @@ PYBIND11_MODULE(_core, m) {
     register_kernel(m);
     register_fabric(m);
     register_grading(m);
+    register_ideal_gradings(m);
     register_engines(m);
     register_lattice(m);
     register_quasi_static(m);

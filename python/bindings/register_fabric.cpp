@@ -36,6 +36,21 @@ Fabric make_fabric(const LogGrid& grid, const py::object& probability, const py:
             std::move(ridges)};
 }
 
+using Carried = std::tuple<py::array_t<double>, py::array_t<double>, std::vector<PointMass>>;
+
+Carried carried_of(const Fabric& fabric) {
+    CarriedMarginals marginals = fabric.carried();
+    return {copied(marginals.rows), copied(marginals.spread), std::move(marginals.points)};
+}
+
+Fabric with_carried(const Fabric& fabric, const py::object& rows, const py::object& spread,
+                    std::vector<PointMass> points) {
+    const auto r = strict_array(rows, {fabric.grid().bins()}, "rows");
+    const auto s = strict_array(spread, {fabric.grid().bins()}, "spread");
+    return fabric.with_carried(
+        {{r.data(), r.data() + r.size()}, {s.data(), s.data() + s.size()}, std::move(points)});
+}
+
 py::iterator unpacked(const py::tuple& fields) {
     return py::iter(fields);
 }
@@ -231,6 +246,42 @@ array([0.0625, 0.0625])
         .def(
             "cdf", [](const Fabric& f) { return copied(f.cdf()); },
             "(N,) mass fraction finer than the upper edge of each bin.")
+        .def("carried", &carried_of,
+             R"doc(Marginals as an engine or a mixing handed them on, for `with_carried`.
+
+Returns
+-------
+(ndarray (N,), ndarray (N,), list of PointMass)
+    Mass by grainsize of the bins; of the bins and of the ridges that spread over psi; of exact sizes.
+)doc")
+        .def("with_carried", &with_carried, py::arg("rows"), py::arg("spread"), py::arg("points"),
+             R"doc(The same fabric with these marginals.
+
+A fabric made again from its parts sums its marginals anew, which differs in the last bit from those that
+it was solved or mixed with. With them it is the same to that bit, and so is all that follows.
+
+Parameters
+----------
+rows, spread, points
+    As `carried` gave them.
+
+Returns
+-------
+Fabric
+
+Raises
+------
+TypeError, ShapeError, ParameterError
+    For marginals that are not this fabric's (to 1e-9).
+
+Examples
+--------
+>>> import comminute as cm
+>>> fabric = cm.mixed_fabric(cm.power_law(2.5, 0.01, 1.0), cm.LogGrid(-6.0, 0.0, 61))
+>>> again = cm.Fabric(fabric.grid, fabric.probability, mean=fabric.mean).with_carried(*fabric.carried())
+>>> cm.remix(again) == fabric
+True
+)doc")
         .def(
             "binned", &Fabric::binned,
             R"doc(The same with every atom and ridge in the bin that holds it, for engines that know bins only.
@@ -255,11 +306,15 @@ Examples
             [](const py::object& self) {
                 const auto& f = self.cast<const Fabric&>();
                 return py::make_tuple(f.grid(), self.attr("probability"), f.atoms(), f.settled_at(),
-                                      word_of(f.mean()), f.ridges());
+                                      word_of(f.mean()), f.ridges(), carried_of(f));
             },
             [](const py::tuple& t) {
-                return make_fabric(t[0].cast<LogGrid>(), t[1], t[2], t[3].cast<std::optional<double>>(),
-                                   t[4].cast<std::string>(), t[5].cast<std::vector<Ridge>>());
+                const Fabric fabric =
+                    make_fabric(t[0].cast<LogGrid>(), t[1], t[2], t[3].cast<std::optional<double>>(),
+                                t[4].cast<std::string>(), t[5].cast<std::vector<Ridge>>());
+                const auto marginals = t[6].cast<py::tuple>();
+                return with_carried(fabric, marginals[0], marginals[1],
+                                    marginals[2].cast<std::vector<PointMass>>());
             }));
 
     m.def(

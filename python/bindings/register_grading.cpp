@@ -64,11 +64,29 @@ GradingLaw law_of(const py::tuple& state) {
 }
 
 Grading from_sieves(const std::vector<double>& size, const std::vector<double>& percent_finer,
-                    std::string unit, const std::string& top) {
+                    std::string unit, const std::string& top, bool number, std::vector<std::string> places,
+                    std::string if_retained, const std::vector<std::string>& notes) {
     if (top != "error" && top != "extend") {
         throw ParameterError("top is '" + top + "'; it must be one of 'error', 'extend'");
     }
-    return sieve_grading(size, percent_finer, std::move(unit), top == "extend");
+    SieveOptions options;
+    options.unit = std::move(unit);
+    options.extend_top = top == "extend";
+    options.by_number = number;
+    options.places = std::move(places);
+    if (!if_retained.empty()) options.if_retained = std::move(if_retained);
+    Grading grading = sieve_grading(size, percent_finer, options);
+    grading.notes.insert(grading.notes.begin(), notes.begin(), notes.end());
+    return grading;
+}
+
+Grading with_unit(const Grading& grading, std::string unit) {
+    return {grading.law, std::move(unit), grading.notes};
+}
+
+py::tuple points(const Grading& grading, Index count) {
+    const CurvePoints curve = grading.points(count);
+    return py::make_tuple(copied(curve.size), copied(curve.finer_than), curve.tail_slope);
 }
 
 void register_grading_class(py::module_& m) {
@@ -77,6 +95,8 @@ void register_grading_class(py::module_& m) {
 Made by `monodisperse`, `gap_graded`, `power_law` or `Grading.from_sieves`. Immutable.)doc")
         .def_static("from_sieves", &from_sieves, py::arg("size"), py::arg("percent_finer"),
                     py::arg("unit") = "mm", py::kw_only(), py::arg("top") = "error",
+                    py::arg("number") = false, py::arg("places") = std::vector<std::string>{},
+                    py::arg("if_retained") = "", py::arg("notes") = std::vector<std::string>{},
                     R"doc(A measured curve: linear in ln(size) between sieves.
 
 What is finer than the finest sieve continues as a power law through the two finest points; `notes`
@@ -93,6 +113,15 @@ unit : str
     Of the sizes, carried along as text.
 top : {"error", "extend"}
     What to do with a curve that stops short of 100 %: refuse it, or carry its last slope on.
+number : bool
+    The shares count grains. They are converted to mass with weights of size cubed, mass taken as
+    even in ln(size) between sieves; `notes` says so.
+places : sequence of str
+    What errors call each point, "sand.csv row 5"; left out: "row 1" and so on.
+if_retained : str
+    What errors advise for a curve that falls; left out: to convert it first.
+notes : sequence of str
+    What was assumed before, to stand first in the grading's `notes`.
 
 Returns
 -------
@@ -112,6 +141,82 @@ Examples
 >>> sand.finer(1.0)
 0.5
 )doc")
+        .def_static(
+            "read",
+            [](const py::object& path, const py::object& unit, const std::string& top, bool number) {
+                const auto read = py::module_::import("comminute.reading").attr("read_grading");
+                return read(path, py::arg("unit") = unit, py::arg("top") = top, py::arg("number") = number);
+            },
+            py::arg("path"), py::kw_only(), py::arg("unit") = py::none(), py::arg("top") = "error",
+            py::arg("number") = false,
+            R"doc(A measured curve from a sieve table: .csv, .txt, .tsv, or .xlsx with the extra `xlsx`.
+
+The header names a size column, `size_mm` (or um, cm, m, in), `phi`, or `sieve` (ASTM E11 numbers and
+inches, or openings with their unit), and one of `percent_finer`, `percent_retained` (on each sieve),
+`percent_cumulative_retained`, `mass_retained_g`. Rows in any order; one may be the `pan`. Columns are
+separated by commas, semicolons or tabs, and with the last two decimal commas are read. Lines that begin
+with # are comments.
+
+Parameters
+----------
+path : path-like
+unit : str, optional
+    Of the sizes of the grading; left out: the unit of the file, mm for phi and sieve.
+top : {"error", "extend"}
+    See `from_sieves`.
+number : bool
+    The shares count grains; see `from_sieves`.
+
+Returns
+-------
+Grading
+    Its `notes` say what was converted or assumed.
+
+Raises
+------
+ParameterError
+    Naming file, row, column and value, the rule, and what to do.
+ImportError
+    For .xlsx where pandas or openpyxl is missing.
+
+Examples
+--------
+>>> import comminute as cm, pathlib, tempfile
+>>> path = pathlib.Path(tempfile.mkdtemp(), "sand.csv")
+>>> _ = path.write_text("size_mm;mass_retained_g\n2,0;0\n1,0;30\n0,5;50\npan;20\n")
+>>> cm.Grading.read(path).finer([2.0, 1.0, 0.5])
+array([1. , 0.7, 0.2])
+)doc")
+        .def(
+            "to_sieves",
+            [](const py::object& self, const py::object& sieves) {
+                return py::module_::import("comminute.curves").attr("on_sieves")(self, sieves);
+            },
+            py::arg("sieves"), R"doc(Per cent finer and retained on sieves, coarse to fine.
+
+Parameters
+----------
+sieves : str or sequence of float
+    A series, "ISO R20/3", "ISO R40/3" or "ASTM E11" (the part of it that the grading covers), or
+    openings in `unit`.
+
+Returns
+-------
+SieveTable
+    Named tuple size, percent_finer, unit, percent_retained, pan.
+
+Raises
+------
+ParameterError
+    For grains that stay on the coarsest sieve, or a series for sizes without a unit.
+
+Examples
+--------
+>>> import comminute as cm
+>>> table = cm.fuller(16.0).with_unit("mm").to_sieves([16, 4, 1])
+>>> table.percent_finer, table.pan
+(array([100.,  50.,  25.]), 25.0)
+)doc")
         .def_property_readonly(
             "unit", [](const Grading& g) { return g.unit; }, "Unit of the sizes, as text; empty if relative.")
         .def_property_readonly(
@@ -128,6 +233,46 @@ ParameterError
         .def_property_readonly("largest", &Grading::largest, "Largest size.")
         .def("smallest", &Grading::smallest, py::arg("tail") = 0.0,
              "Size below which a share `tail` of the mass lies; 0 if the finest tail has no end.")
+        .def("percentile", py::vectorize(&Grading::percentile), py::arg("percent"), py::kw_only(),
+             py::arg("extrapolate") = false,
+             R"doc(Size D_x such that `percent` of the mass is finer (scalar or array).
+
+inf{d : F(d) >= percent / 100}: on a plateau this is its lower end. D_0 is the smallest size.
+
+Parameters
+----------
+percent : float or sequence
+    In [0, 100].
+extrapolate : bool
+    Go on below the finest sieve, along the tail.
+
+Returns
+-------
+float or ndarray
+    In `unit`.
+
+Raises
+------
+ParameterError
+    If D_x lies below the finest sieve of a measured curve.
+
+Examples
+--------
+>>> import comminute as cm
+>>> cm.gap_graded(1.0, 0.1).percentile([50, 51])
+array([0.1, 1. ])
+)doc")
+        .def("with_unit", &with_unit, py::arg("unit"),
+             R"doc(The same sizes, said to be in a unit: for ideal gradings, whose sizes have none.
+
+Examples
+--------
+>>> import comminute as cm
+>>> cm.fuller(16.0).with_unit("mm").unit
+'mm'
+)doc")
+        .def("_points", &points, py::arg("count") = 20001,
+             "Points of the curve, for `SizeCurve.of`: sizes, fractions finer, slope of the tail.")
         .def(
             "on_grid", [](const Grading& g, const LogGrid& grid) { return copied(g.on_grid(grid)); },
             py::arg("grid"),
@@ -151,214 +296,10 @@ ParameterError
                         }));
 }
 
-void register_makers(py::module_& m) {
-    m.def("monodisperse", &monodisperse, py::arg("size"), R"doc(All grains of one size.
-
-Parameters
-----------
-size : float
-    > 0.
-
-Returns
--------
-Grading
-
-Raises
-------
-ParameterError
-    Unless size > 0.
-
-Examples
---------
->>> import comminute as cm
->>> cm.monodisperse(2.0).finer([1.9, 2.0])
-array([0., 1.])
-)doc");
-    m.def("gap_graded", &gap_graded, py::arg("coarse"), py::arg("fine"), py::arg("coarse_share") = 0.5,
-          R"doc(Two sizes and nothing between.
-
-Parameters
-----------
-coarse, fine : float
-    Sizes, 0 < fine < coarse.
-coarse_share : float
-    Share of the mass that is coarse, in [0, 1].
-
-Returns
--------
-Grading
-
-Raises
-------
-ParameterError
-    For a value outside its range.
-
-Examples
---------
->>> import comminute as cm
->>> cm.gap_graded(1.0, 0.1, coarse_share=0.25).finer(0.5)
-0.75
-)doc");
-    m.def("power_law", &power_law, py::arg("fractal_dimension"), py::arg("smallest"), py::arg("largest"),
-          R"doc(Power law N(> s) ~ s**-fractal_dimension between two sizes.
-
-By mass F = (s**(3-a) - s_m**(3-a)) / (s_M**(3-a) - s_m**(3-a)), a the fractal dimension;
-a = 3 is uniform in ln s.
-
-Parameters
-----------
-fractal_dimension : float
-smallest, largest : float
-    0 < smallest < largest; smallest may be 0 for a fractal dimension below 3.
-
-Returns
--------
-Grading
-
-Raises
-------
-ParameterError
-    For a value outside its range.
-
-Examples
---------
->>> import comminute as cm
->>> cm.power_law(2.5, 1e-3, 1.0).finer(1.0)
-1.0
-)doc");
-    m.def("uniform_size", &uniform_size, py::arg("smallest"), py::arg("largest"),
-          R"doc(Mass uniform in size between two sizes: the power law of fractal dimension 2.
-
-Parameters
-----------
-smallest, largest : float
-    0 <= smallest < largest.
-
-Returns
--------
-Grading
-
-Raises
-------
-ParameterError
-    For a value outside its range.
-
-Examples
---------
->>> import comminute as cm
->>> cm.uniform_size(0.0, 2.0).finer(0.5)
-0.25
-)doc");
-    m.def("log_uniform", &log_uniform, py::arg("smallest"), py::arg("largest"),
-          R"doc(Mass uniform in ln(size) between two sizes: the power law of fractal dimension 3.
-
-Parameters
-----------
-smallest, largest : float
-    0 < smallest < largest.
-
-Returns
--------
-Grading
-
-Raises
-------
-ParameterError
-    For a value outside its range.
-
-Examples
---------
->>> import comminute as cm
->>> round(cm.log_uniform(0.01, 1.0).finer(0.1), 12)
-0.5
-)doc");
-    m.def("fuller", &fuller, py::arg("largest"), py::arg("exponent") = 0.5,
-          R"doc(Fuller-Talbot curve F = (size / largest)**exponent.
-
-Parameters
-----------
-largest : float
-    > 0.
-exponent : float
-    > 0; one half is Fuller's, any other Talbot's.
-
-Returns
--------
-Grading
-
-Raises
-------
-ParameterError
-    For a value outside its range.
-
-Examples
---------
->>> import comminute as cm
->>> cm.fuller(16.0).finer(4.0)
-0.5
-)doc");
-    m.def("lognormal", &lognormal, py::arg("median"), py::arg("sd_log"), py::kw_only(),
-          py::arg("largest") = py::none(), R"doc(Lognormal by mass, cut off at a largest size and rescaled.
-
-Parameters
-----------
-median : float
-    Of the uncut law.
-sd_log : float
-    Standard deviation of ln(size), > 0.
-largest : float, optional
-    Where it is cut off; left out: 4 standard deviations above the median, and `notes` says so.
-
-Returns
--------
-Grading
-
-Raises
-------
-ParameterError
-    For a value outside its range.
-
-Examples
---------
->>> import comminute as cm
->>> round(cm.lognormal(0.5, 0.4).finer(0.5), 4)
-0.5
-)doc");
-    m.def("rosin_rammler", &rosin_rammler, py::arg("d63"), py::arg("exponent"), py::kw_only(),
-          py::arg("largest") = py::none(),
-          R"doc(Rosin-Rammler F = 1 - exp(-(size / d63)**exponent), cut off at a largest size and rescaled.
-
-Parameters
-----------
-d63 : float
-    Size that 63.2 % of the uncut law is finer than, > 0.
-exponent : float
-    > 0.
-largest : float, optional
-    Where it is cut off; left out: where 0.01 % would be coarser, and `notes` says so.
-
-Returns
--------
-Grading
-
-Raises
-------
-ParameterError
-    For a value outside its range.
-
-Examples
---------
->>> import comminute as cm
->>> round(cm.rosin_rammler(1.0, 1.2).finer(1.0), 3)
-0.632
-)doc");
-}
-
 }  // namespace
 
 void register_grading(py::module_& m) {
     register_grading_class(m);
-    register_makers(m);
     m.def(
         "mixed_fabric",
         [](const Grading& grading, const LogGrid& grid, const std::string& mean, const std::string& points) {

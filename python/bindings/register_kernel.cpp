@@ -56,6 +56,10 @@ Examples
     py::class_<StepReport>(m, "StepReport", R"doc(What one step, or a run of steps, did.
 
 Masses are in the unit of the state, whose total is usually 1.)doc")
+        .def(py::init([](double active, double crushed, double crushed_neighbour, Index steps) {
+                 return StepReport{active, crushed, crushed_neighbour, steps};
+             }),
+             py::arg("active"), py::arg("crushed"), py::arg("crushed_neighbour"), py::arg("steps"))
         .def_readonly("active", &StepReport::active, "Mass inside the zone when the last step began.")
         .def_readonly("crushed", &StepReport::crushed, "Mass crushed in psi, every crush counted.")
         .def_readonly("crushed_neighbour", &StepReport::crushed_neighbour, "Mass crushed in psibar.")

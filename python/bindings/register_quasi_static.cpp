@@ -117,6 +117,13 @@ Examples
 >>> float(round(solver.report.crushed, 12))
 0.5
 )doc")
+        .def(py::init([](const std::string& path, Index terms, Index head, double fit_error, double crushed,
+                         double crushed_neighbour) {
+                 return SolveReport{choice_of<SolvePath>(path), terms, head, fit_error, crushed,
+                                    crushed_neighbour};
+             }),
+             py::arg("path"), py::arg("terms"), py::arg("head"), py::arg("fit_error"), py::arg("crushed"),
+             py::arg("crushed_neighbour"))
         .def_property_readonly(
             "path", [](const SolveReport& r) { return word_of(r.path); },
             "\"sums\", \"direct\" or \"blend\"; \"automatic\" where nothing had to move.")

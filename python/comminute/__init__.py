@@ -60,17 +60,34 @@ from comminute._core import (
     stress_ratio_at,
     uniform_size,
 )
+from comminute.breakage import (
+    Breakage,
+    FractalFit,
+    breakage_index,
+    breakage_potential,
+    fractal_dimension,
+    relative_breakage,
+)
+from comminute.continuing import run_again
+from comminute.curves import SieveTable, SizeCurve
+from comminute.indices import FolkWard, Milling, curvature, fines_share, folk_ward, milling, phi, uniformity
 from comminute.lattice import Lattice, TimeSteppedLattice
 from comminute.lattice_results import Comparison, LatticeResult, compare
+from comminute.recipe import Recipe
 from comminute.results import Result
+from comminute.sieves import sieve_size, sieve_sizes
 from comminute.simulation import Interrupted, ResolutionWarning, Simulation
 from comminute.small_ring import SmallRing
+from comminute.storage import open_result
 
 __all__ = [
     "Atom",
+    "Breakage",
     "Comparison",
     "CrushZones",
     "Fabric",
+    "FolkWard",
+    "FractalFit",
     "FullConvolution",
     "Grading",
     "Interrupted",
@@ -80,15 +97,19 @@ __all__ = [
     "LogNormalFragments",
     "Marginal",
     "Material",
+    "Milling",
     "ParameterError",
     "PointMass",
     "PowerLawFragments",
     "QuasiStatic",
+    "Recipe",
     "ResolutionWarning",
     "Result",
     "Ridge",
     "ShapeError",
+    "SieveTable",
     "Simulation",
+    "SizeCurve",
     "SlowUpdate",
     "SmallRing",
     "SolveReport",
@@ -100,11 +121,17 @@ __all__ = [
     "Zone",
     "__version__",
     "active_share",
+    "breakage_index",
+    "breakage_potential",
     "cell_kernel",
     "compare",
     "critical_stress_ratio",
     "crush_zones",
+    "curvature",
+    "fines_share",
     "fitting_grid",
+    "folk_ward",
+    "fractal_dimension",
     "fragment_pmf",
     "fuller",
     "gap_graded",
@@ -112,14 +139,22 @@ __all__ = [
     "log_uniform",
     "lognormal",
     "logspace_load",
+    "milling",
     "mixed_fabric",
     "monodisperse",
     "neighbourhood_pmf",
+    "open_result",
     "percentile",
+    "phi",
     "power_law",
+    "relative_breakage",
     "remix",
     "rosin_rammler",
+    "run_again",
+    "sieve_size",
+    "sieve_sizes",
     "stress_function",
     "stress_ratio_at",
     "uniform_size",
+    "uniformity",
 ]

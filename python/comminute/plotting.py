@@ -11,7 +11,6 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from comminute._core import CrushZones, Fabric, Material
-from comminute.results import grading_curve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -57,13 +56,13 @@ def plot_gradings(result: Result, ax: Axes | None = None) -> Axes:
     matplotlib Axes
     """
     ax = _new_axes() if ax is None else ax
-    sizes, finer = grading_curve(result.start.grid, result.start.cdf(), result.start.points)
-    ax.plot(sizes, 100 * finer, "k--", lw=1.2, label="start", zorder=3)
+    start = result.start_curve
+    ax.plot(start.size, 100 * start.finer, "k--", lw=1.2, label="start", zorder=3)
     count = result.stress_ratio.size
     for k, load in enumerate(result.stress_ratio):
         colour = LOAD_COLOURS(0.92 * (1 - k / max(count - 1, 1)))
-        sizes, finer = result.curve(k)
-        ax.plot(sizes, 100 * finer, color=colour, lw=1.4, label=f"{load:g}")
+        curve = result.curve(k)
+        ax.plot(curve.size, 100 * curve.finer, color=colour, lw=1.4, label=f"{load:g}")
     low, high = _visible_range(result.pmf[-1], result.grid.edges, 1e-3)
     ax.set(
         xscale="log",

@@ -7,7 +7,7 @@ import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -23,8 +23,12 @@ from comminute._core import (
     __version__,
     percentile,
 )
+from comminute.curves import SizeCurve
+from comminute.recipe import Recipe
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Sequence
+
     from matplotlib.figure import Figure
 
 Floats = npt.NDArray[np.float64]
@@ -33,40 +37,6 @@ Floats = npt.NDArray[np.float64]
 def needs(extra: str, library: str, wanted_for: str) -> ImportError:
     """Exception for an optional library that is missing: what for, and how to get it."""
     return ImportError(f"{wanted_for} needs {library}; install it with: pip install 'comminute[{extra}]'")
-
-
-def grading_curve(grid: LogGrid, cdf: Floats, points: Sequence[PointMass]) -> tuple[Floats, Floats]:
-    """Sizes and mass fractions finer to draw a line through, with the jumps of exact sizes inside their bins.
-
-    Parameters
-    ----------
-    grid : LogGrid
-    cdf : ndarray (N,)
-        Fraction finer than the upper edge of each bin, exact sizes among them.
-    points : sequence of PointMass
-        Those sizes, fine to coarse.
-
-    Returns
-    -------
-    (ndarray (N + 2 P,), ndarray (N + 2 P,))
-        Sizes, never falling, and fractions finer: the upper edges of the bins, and every exact size twice,
-        without its own mass and with it.
-    """
-    upper = grid.edges[1:]
-    exact = np.array([point.psi for point in points])
-    mass = np.array([point.mass for point in points])
-    owner = np.array([grid.bin_of(psi) for psi in exact], dtype=np.intp)
-    spread = np.diff(cdf, prepend=0.0)
-    np.subtract.at(spread, owner, mass)
-    smooth = np.cumsum(spread)
-    # below an exact size: the bins under its own, the part of its own that is finer, and the finer exact sizes
-    fraction = (exact - grid.edges[owner]) / grid.spacing
-    spread_below = smooth[owner] - (1.0 - fraction) * spread[owner]
-    after = spread_below + np.cumsum(mass)
-    psi = np.concatenate([upper, exact, exact])
-    finer = np.concatenate([cdf, after - mass, after])
-    order = np.lexsort((finer, psi))
-    return np.exp(psi[order]), finer[order]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -105,7 +75,9 @@ class Result:
     points : tuple of tuple of PointMass
         For each load, what of the mass is still at an exact size, fine to coarse: there the cdf jumps.
     reports : tuple of SolveReport or StepReport
-        For each load, what its engine says: a solve since the last remixing, or the steps of this load.
+        For each load, what its engine says: of the solve from the last kept fabric, or of the steps.
+    recipe : Recipe or None
+        What the run was asked for, to resume it or run it again.
 
     Examples
     --------
@@ -133,6 +105,7 @@ class Result:
     fabrics: tuple[Fabric | None, ...] = field(default=())
     points: tuple[tuple[PointMass, ...], ...] = field(default=())
     reports: tuple[SolveReport | StepReport, ...] = field(default=())
+    recipe: Recipe | None = None
 
     @property
     def psi(self) -> Floats:
@@ -159,29 +132,6 @@ class Result:
         """(T,) share of the mass in the fines bin."""
         return self.pmf[:, 0]
 
-    def curve(self, k: int) -> tuple[Floats, Floats]:
-        """Grading curve after load k, to draw a line through, with its jumps where sizes are exact.
-
-        Parameters
-        ----------
-        k : int
-
-        Returns
-        -------
-        (ndarray, ndarray)
-            Sizes and mass fractions finer. Without exact sizes these are `edge_size` and `cdf[k]`.
-
-        Examples
-        --------
-        >>> import comminute as cm
-        >>> result = cm.Simulation(cm.Material(), cm.monodisperse(1.0)).run(stress_ratio=1.0)
-        >>> size, finer = result.curve(0)
-        >>> without, including = finer[size == 1.0]
-        >>> float((including - without).round(12))
-        0.5
-        """
-        return grading_curve(self.grid, self.cdf[k], self.points[k] if self.points else ())
-
     def percentile(self, percent: float, *, extrapolate: bool = False) -> Floats:
         """Size D_x after each load, such that `percent` of the mass is finer; see `comminute.percentile`.
 
@@ -207,6 +157,34 @@ class Result:
             for finer, exact in zip(self.cdf, points, strict=True)
         ]
         return np.array(sizes)
+
+    def curve(self, k: int = -1) -> SizeCurve:
+        """Grading curve after load k, for the indices (`comminute.uniformity` and so on).
+
+        Parameters
+        ----------
+        k : int
+
+        Returns
+        -------
+        SizeCurve
+            With its jumps where sizes are exact.
+
+        Examples
+        --------
+        >>> import comminute as cm
+        >>> curve = cm.Simulation(cm.Material(), cm.monodisperse(1.0)).run(stress_ratio=1.0).curve()
+        >>> without, including = curve.finer[curve.size == 1.0]
+        >>> float((including - without).round(12))
+        0.5
+        """
+        exact = self.points[k] if self.points else ()
+        return SizeCurve.on_grid(self.grid, np.cumsum(self.pmf[k]), self.unit, exact)
+
+    @property
+    def start_curve(self) -> SizeCurve:
+        """Grading curve before the first load, on the same grid."""
+        return SizeCurve.on_grid(self.grid, self.start.cdf(), self.unit, self.start.points)
 
     def fabric(self, k: int) -> Fabric:
         """Fabric after load k (before the remixing, where load k is followed by one).
@@ -241,52 +219,31 @@ class Result:
         return f"<Result: {loads}, {self.grid.bins} bins, {what}>"
 
     def to_xarray(self) -> Any:
-        """Dataset with dims load and psi; needs xarray.
+        """Dataset with dims load, psi and psibar; needs xarray.
 
         Returns
         -------
         xarray.Dataset
-            Variables pmf, cdf (load, psi), crushes, fines, mass_error (load); coordinates
-            stress_ratio, stress, psi, size, edge_size.
+            Variables pmf, cdf (load, psi), crushes, fines, mass_error (load), start_fabric (psi, psibar),
+            fabric (fabric_load, psi, psibar) and settled_at for the kept ones; coordinates stress_ratio,
+            stress, psi, psibar, size, edge_size; everything else as attributes.
 
         Raises
         ------
         ImportError
             Naming the extra to install.
         """
-        try:
-            import xarray as xr  # noqa: PLC0415  (an optional dependency)
-        except ImportError as error:
-            raise needs("xarray", "xarray", "to_xarray") from error
-        units = {"units": self.unit or "1"}
-        coords: dict[str, Any] = {
-            "stress_ratio": ("load", self.stress_ratio, {"long_name": "stress ratio", "units": "1"}),
-            "psi": ("psi", self.psi, {"long_name": "log grainsize at bin centres", "units": "1"}),
-            "size": ("psi", self.size, {"long_name": "grainsize at bin centres", **units}),
-            "edge_size": ("psi", self.edge_size, {"long_name": "grainsize at upper bin edges", **units}),
-        }
-        if self.stress is not None:
-            coords["stress"] = ("load", self.stress, {"long_name": "stress"})
-        names = {
-            "pmf": (("load", "psi"), "mass fraction by bin"),
-            "cdf": (("load", "psi"), "mass fraction finer than edge_size"),
-            "crushes": ("load", "mean number of crushes"),
-            "fines": ("load", "mass fraction in the fines bin"),
-            "mass_error": ("load", "total mass less 1"),
-        }
-        variables = {
-            name: (dims, getattr(self, name), {"long_name": text, "units": "1"}) for name, (dims, text) in names.items()
-        }
-        attributes = {"engine": self.engine, "scheme": self.scheme, "comminute_version": __version__}
-        return xr.Dataset(variables, coords, {**attributes, "material": repr(self.material)})
+        from comminute import storage  # noqa: PLC0415  (it stands on this module)
+
+        return storage.to_dataset(self)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the arrays to a NumPy .npz file, complete or not at all.
+        """Write a file, complete or not at all: NetCDF with all there is, or the arrays alone as .npz.
 
         Parameters
         ----------
         path : path-like
-            Ends in .npz; an existing file is replaced.
+            Ends in .nc or .npz; an existing file is replaced.
 
         Returns
         -------
@@ -296,15 +253,22 @@ class Result:
         ------
         ParameterError
             For another ending.
+        ImportError
+            Naming the extra to install, for .nc.
 
         Notes
         -----
-        The file has the arrays of this class by name, the fabric after the last kept load as
-        `fabric` (N, N) with all its mass in bins, and `engine`, `scheme`, `unit`, `material` and `version` as text.
+        From an .nc file `open_result` makes an equal result. An .npz file has the arrays of this class by
+        name, the fabric after the last kept load as `fabric` (N, N) with all its mass in bins, and `engine`,
+        `scheme`, `unit`, `material` and `version` as text.
         """
         target = Path(path)
+        if target.suffix == ".nc":
+            from comminute import storage  # noqa: PLC0415  (it stands on this module)
+
+            return storage.save_netcdf(self, target)
         if target.suffix != ".npz":
-            raise ParameterError(f"path is '{target}'; it must end in .npz")
+            raise ParameterError(f"path is '{target}'; it must end in .nc or .npz")
         names = ("stress_ratio", "psi", "size", "edge_size", "pmf", "cdf", "crushes", "fines", "mass_error")
         arrays: dict[str, Any] = {name: getattr(self, name) for name in names}
         if self.stress is not None:
@@ -324,6 +288,76 @@ class Result:
             Path(temporary).unlink(missing_ok=True)
             raise
         return target
+
+    def resume(
+        self,
+        stress_ratio: float | Iterable[float] | None = None,
+        *,
+        stress: float | Iterable[float] | None = None,
+        loading_rate: float | Iterable[float] = 0.0,
+        remix_after: Iterable[int] = (),
+        keep_fabrics: Literal["all", "last"] | Sequence[int] = "all",
+        on_load: Callable[[int], object] | None = None,
+    ) -> Result:
+        """Go on from the last load, on the same grid and with the same engine and scheme.
+
+        Parameters
+        ----------
+        stress_ratio, stress, loading_rate, keep_fabrics, on_load
+            As for `Simulation.run`, of the loads to come.
+        remix_after : sequence of int
+            Indices of the loads to come, from 0.
+
+        Returns
+        -------
+        Result
+            All loads, the old and the new: equal to one run through all of them on this grid.
+
+        Raises
+        ------
+        ParameterError
+            If the last fabric was not kept, or for loads outside their range.
+        Interrupted
+            On Ctrl-C; its `result` has the finished loads.
+
+        Examples
+        --------
+        >>> import comminute as cm
+        >>> sim = cm.Simulation(cm.Material(), cm.monodisperse(1.0), grid=cm.LogGrid(-6.0, 0.0, 121))
+        >>> sim.run(stress_ratio=[1, 2]).resume(stress_ratio=[8]) == sim.run(stress_ratio=[1, 2, 8])
+        True
+        """
+        from comminute import continuing  # noqa: PLC0415  (it stands on this module)
+
+        return continuing.resume(
+            self,
+            stress_ratio,
+            stress=stress,
+            loading_rate=loading_rate,
+            remix_after=remix_after,
+            keep_fabrics=keep_fabrics,
+            on_load=on_load,
+        )
+
+    def slider(self) -> Any:
+        """Grading curves and fabric with a slider over the kept loads, for notebooks; needs ipywidgets.
+
+        Returns
+        -------
+        ipywidgets.VBox
+
+        Raises
+        ------
+        ImportError
+            Naming the extra to install.
+        ParameterError
+            If no fabric was kept.
+        """
+        try:
+            from comminute import everyday_plots  # noqa: PLC0415  (matplotlib is optional)
+        except ImportError as error:
+            raise needs("notebook", "matplotlib and ipywidgets", "slider") from error
+        return everyday_plots.slider(self)
 
     def plot(self, load: int = -1) -> Figure:
         """Grading curves of all loads beside the fabric after one of them; needs matplotlib.

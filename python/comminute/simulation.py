@@ -28,6 +28,7 @@ from comminute._core import (
     mixed_fabric,
     remix,
 )
+from comminute.recipe import Recipe
 from comminute.results import Result
 
 Kind = Literal["slow", "exact", "fast", "blend"]
@@ -61,6 +62,7 @@ class LoadPath:
     stress: Floats | None
     loading_rate: Floats
     remix_after: frozenset[int]
+    by_stress: bool
 
 
 def _loads(name: str, values: float | Iterable[float]) -> Floats:
@@ -104,7 +106,7 @@ def _load_path(
     for index in sorted(indices):
         if not 0 <= index < ratios.size:
             raise ParameterError(f"remix_after has {index}; it must hold indices of loads, 0 to {ratios.size - 1}")
-    return LoadPath(ratios, stresses, rates, indices)
+    return LoadPath(ratios, stresses, rates, indices, by_stress=stress is not None)
 
 
 def _kind_of(kind: Kind | None, rate: float) -> Kind:
@@ -156,7 +158,7 @@ class _Outcome:
 
 @dataclass
 class _Segment:
-    """Solves between two remixings or changes of rate: each load starts from the same fabric."""
+    """Solves between two remixings or changes of rate, each from the last fabric that was wanted."""
 
     solver: QuasiStatic
     start: Fabric
@@ -164,13 +166,13 @@ class _Segment:
     largest: float = 0.0
 
     def after(self, load: float, *, with_fabric: bool) -> _Outcome:
-        """Outcome of one more load; one solve for the largest so far, since the way there does not matter."""
+        """Outcome of one more load: one solve to the largest so far, since the way there does not matter."""
         self.largest = max(self.largest, load)
         if with_fabric:
             fabric = self.solver.solve(self.start, self.largest)
             report = self.solver.report
-            crushed = self.crushed_before + report.crushed
-            return _Outcome(fabric.grainsize(), tuple(fabric.points), crushed, report, fabric)
+            self.start, self.crushed_before = fabric, self.crushed_before + report.crushed
+            return _Outcome(fabric.grainsize(), tuple(fabric.points), self.crushed_before, report, fabric)
         after = self.solver.grading_after(self.start, self.largest)
         crushed = self.crushed_before + after.report.crushed
         return _Outcome(after.grainsize, tuple(after.points), crushed, after.report, None)
@@ -410,6 +412,8 @@ class Simulation:
         ]
         records = _Records()
         walk = _Path(fabric, engines, steps)
+        rates, remixed = tuple(path.loading_rate.tolist()), tuple(sorted(path.remix_after))
+        recipe = Recipe(rates, remixed, engine, kind, steps_per_load, path.by_stress)
         try:
             for k, load in enumerate(path.stress_ratio):
                 rate = float(path.loading_rate[k])
@@ -421,13 +425,13 @@ class Simulation:
                     on_load(k)
         except KeyboardInterrupt:
             done = len(records.outcomes)
-            raise Interrupted(self._result(fabric, path, engines, records) if done else None) from None
-        result = self._result(fabric, path, engines, records)
+            raise Interrupted(self._result(fabric, path, engines, records, recipe) if done else None) from None
+        result = self._result(fabric, path, engines, records, recipe)
         for warning in result.warnings:
             warnings.warn(warning, ResolutionWarning, stacklevel=2)
         return result
 
-    def _result(self, start: Fabric, path: LoadPath, engines: _Engines, records: _Records) -> Result:
+    def _result(self, start: Fabric, path: LoadPath, engines: _Engines, records: _Records, recipe: Recipe) -> Result:
         done = len(records.outcomes)
         pmf = np.array([outcome.grainsize for outcome in records.outcomes])
         crushes = np.array([outcome.crushed for outcome in records.outcomes])
@@ -451,6 +455,7 @@ class Simulation:
             fabrics=tuple(records.kept),
             points=tuple(outcome.points for outcome in records.outcomes),
             reports=tuple(outcome.report for outcome in records.outcomes),
+            recipe=recipe.of_first(done),
         )
 
 

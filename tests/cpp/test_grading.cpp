@@ -15,6 +15,7 @@ using comminute::PointMasses;
 using comminute::power_law;
 using comminute::ShapeError;
 using comminute::sieve_grading;
+using comminute::SieveOptions;
 using helpers::at;
 using helpers::Index;
 using helpers::infinity;
@@ -188,8 +189,8 @@ TEST_CASE("on a grid each bin holds the mass between its edges, the fines bin al
 }
 
 TEST_CASE("a sieve curve is linear in ln d between sieves, whatever their order") {
-    const Grading sand = sieve_grading({1.0, 0.25, 4.0, 0.5}, {60.0, 0.0, 100.0, 10.0}, "mm");
-    CHECK(sand == sieve_grading({0.25, 0.5, 1.0, 4.0}, {0.0, 10.0, 60.0, 100.0}, "mm"));
+    const Grading sand = sieve_grading({1.0, 0.25, 4.0, 0.5}, {60.0, 0.0, 100.0, 10.0});
+    CHECK(sand == sieve_grading({0.25, 0.5, 1.0, 4.0}, {0.0, 10.0, 60.0, 100.0}));
     CHECK(sand.unit == "mm");
     CHECK(sand.notes.empty());
     CHECK(sand.finer(0.25) == 0.0);
@@ -209,7 +210,7 @@ TEST_CASE("a sieve curve is linear in ln d between sieves, whatever their order"
 }
 
 TEST_CASE("what a sieve curve leaves open is filled by a stated rule, and a note says so") {
-    const Grading tail = sieve_grading({0.1, 0.4, 2.0}, {5.0, 20.0, 100.0}, "mm");
+    const Grading tail = sieve_grading({0.1, 0.4, 2.0}, {5.0, 20.0, 100.0});
     CHECK(tail.finer(0.05) == doctest::Approx(0.025).epsilon(1e-14));  // slope ln 4 / ln 4 = 1
     CHECK(tail.finer(1e-5) == doctest::Approx(5e-6).epsilon(1e-14));
     CHECK(tail.smallest() == 0.0);
@@ -220,25 +221,25 @@ TEST_CASE("what a sieve curve leaves open is filled by a stated rule, and a note
         "5 % is finer than the finest sieve, 0.1 mm: it continues as a power law of slope 1, through the two "
         "finest points");
 
-    const Grading fractions = sieve_grading({1.0, 2.0}, {0.0, 1.0}, "");
+    const Grading fractions = sieve_grading({1.0, 2.0}, {0.0, 1.0}, SieveOptions{""});
     CHECK(fractions.finer(std::sqrt(2.0)) == doctest::Approx(0.5).epsilon(1e-14));
     CHECK(fractions.notes ==
           std::vector<std::string>{"the values end at 1: read as fractions, not per cent"});
 
-    const Grading extended = sieve_grading({0.5, 1.0}, {0.0, 50.0}, "mm", true);
+    const Grading extended = sieve_grading({0.5, 1.0}, {0.0, 50.0}, SieveOptions{"mm", true});
     CHECK(extended.largest() == doctest::Approx(2.0).epsilon(1e-14));
     CHECK(extended.finer(1.0) == doctest::Approx(0.5).epsilon(1e-14));
     CHECK(extended.notes ==
           std::vector<std::string>{
               "the coarsest sieve, 1 mm, has 50 % finer, not 100 %: the curve is carried on "
               "at its last slope to 100 % at 2 mm"});
-    CHECK(sieve_grading({0.5, 1.0}, {0.0, 100.0}, "mm", true).notes.empty());
+    CHECK(sieve_grading({0.5, 1.0}, {0.0, 100.0}, SieveOptions{"mm", true}).notes.empty());
 }
 
 TEST_CASE("a sieve curve with an error in it is refused, naming row, value, rule and remedy") {
     const auto refused = [](const Numbers& size, const Numbers& finer, const char* text,
                             const std::string& unit = "mm", bool extend = false) {
-        CHECK_REFUSED(sieve_grading(size, finer, unit, extend), text);
+        CHECK_REFUSED(sieve_grading(size, finer, SieveOptions{unit, extend}), text);
     };
     refused(
         {0.6, 0.3, 1.0}, {40.0, 50.0, 100.0},

@@ -299,7 +299,7 @@ TEST_CASE("starts follow their grading") {
         comminute::lognormal(0.5, 0.8),
         comminute::lognormal(0.5, 0.8, 0.4),
         comminute::rosin_rammler(0.5, 1.3),
-        comminute::sieve_grading({0.1, 0.5, 1.0, 2.0}, {5.0, 40.0, 40.0, 100.0}, "mm")};
+        comminute::sieve_grading({0.1, 0.5, 1.0, 2.0}, {5.0, 40.0, 40.0, 100.0})};
     for (const Grading& grading : gradings) {
         Lattice lattice(20'000, Material{}, grading, with(1, 1, 12));
         const Numbers psi = psi_of(lattice);

@@ -3,13 +3,48 @@
 import doctest
 import inspect
 import re
+import subprocess
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
 import comminute as cm
-from comminute import lattice, lattice_results, plotting, results, simulation, small_ring
+from comminute import (
+    breakage,
+    continuing,
+    curves,
+    everyday_plots,
+    indices,
+    lattice,
+    lattice_results,
+    plotting,
+    reading,
+    recipe,
+    results,
+    sieves,
+    simulation,
+    small_ring,
+    storage,
+    tables,
+)
 
+MODULES: tuple[ModuleType, ...] = (
+    breakage,
+    continuing,
+    curves,
+    everyday_plots,
+    indices,
+    lattice,
+    lattice_results,
+    plotting,
+    reading,
+    recipe,
+    results,
+    sieves,
+)
+MODULES += (simulation, small_ring, storage, tables)
 ROOT = Path(__file__).parents[2]
 
 
@@ -17,7 +52,7 @@ def documented() -> list[tuple[str, str]]:
     """Every public object and method with its docstring."""
     found = [("comminute", cm.__doc__ or "")]
     objects = {name: getattr(cm, name) for name in cm.__all__ if not name.startswith("__")}
-    for module in (lattice, lattice_results, plotting, results, simulation, small_ring):
+    for module in MODULES:
         objects |= {
             name: value
             for name, value in vars(module).items()
@@ -45,7 +80,20 @@ def test_every_public_thing_is_documented_and_its_examples_run(name: str, text: 
 
 
 def test_classes_and_functions_of_the_core_show_an_example() -> None:
-    exempt = {"Comparison", "Grading", "StepReport", "Zone", "stress_function", "stress_ratio_at"}
+    exempt = {
+        "Breakage",
+        "Comparison",
+        "FolkWard",
+        "FractalFit",
+        "Grading",
+        "Milling",
+        "Recipe",
+        "SieveTable",
+        "StepReport",
+        "Zone",
+        "stress_function",
+        "stress_ratio_at",
+    }
     for name, text in documented():
         core = inspect.getmodule(getattr(cm, name, None))
         if "." in name or core is None or name in exempt or name.endswith(("Error", "Warning", "Interrupted")):
@@ -53,10 +101,28 @@ def test_classes_and_functions_of_the_core_show_an_example() -> None:
         assert ">>>" in text or name.startswith("plot_"), f"{name} has no example"
 
 
-def test_the_python_of_the_readme_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_readme_runs_word_for_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    assert blocks
-    for block in blocks:
-        exec(compile(block, "README.md", "exec"), {})
+    blocks = re.findall(r"```(python|console)\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert {kind for kind, _ in blocks} == {"python", "console"}
+    for kind, block in blocks:
+        if kind == "python":
+            exec(compile(block, "README.md", "exec"), {})
+            continue
+        for command, expected in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", block, re.MULTILINE):
+            if command.startswith("comminute "):
+                call = [sys.executable, "-m", *command.split()]
+                done = subprocess.run(call, capture_output=True, text=True, check=True)
+                if expected:
+                    assert_same_words(done.stdout, expected)
     assert (tmp_path / "sand.png").stat().st_size > 10_000
+
+
+def assert_same_words(found: str, expected: str) -> None:
+    """Equal word for word; numbers to 2 %, since a last digit may differ from machine to machine."""
+    assert len(found.split()) == len(expected.split()), found
+    for word, wanted in zip(found.split(), expected.split(), strict=True):
+        try:
+            assert float(word) == pytest.approx(float(wanted), rel=0.02, abs=1e-3)
+        except ValueError:
+            assert word == wanted

@@ -49,6 +49,14 @@ struct Ridge {
     }
 };
 
+/// Marginals over psi as an engine or a mixing handed them on, equal to the sums of a fabric's parts but for rounding.
+/// With them a fabric that is made again from its parts is the same to the last bit, and so is all that follows.
+struct CarriedMarginals {
+    std::vector<double> rows;       ///< (N) of the bins
+    std::vector<double> spread;     ///< (N) of the bins and of the ridges that spread over psi
+    std::vector<PointMass> points;  ///< of atoms and of the other ridges, fine to coarse
+};
+
 /// The grainsize fabric: shares of the mass by log grainsize psi and log neighbourhood grainsize psibar.
 ///
 /// Most of it lies in bins. Point masses of a start (one size, a few sizes) are kept exact until they crush, as atoms
@@ -96,6 +104,10 @@ class Fabric {
     /// The same with every atom and ridge in the bin that holds it, for engines that know bins only. Never loaded
     /// where that moved any mass, since bins are not tested as points are.
     Fabric binned() const;
+
+    CarriedMarginals carried() const;
+    /// @throws ShapeError for other sizes, ParameterError for marginals that are not this fabric's (to 1e-9)
+    Fabric with_carried(CarriedMarginals marginals) const;
 
     friend bool operator==(const Fabric& a, const Fabric& b);
 

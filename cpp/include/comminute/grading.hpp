@@ -82,6 +82,23 @@ struct SieveCurve {
     }
 };
 
+/// Points of F, never falling in either number; equal sizes are a jump.
+struct CurvePoints {
+    std::vector<double> size;
+    std::vector<double> finer_than;  ///< fractions, the last 1
+    double tail_slope = 0.0;         ///< below the finest: F = F_1 (d / d_1)^tail_slope, where F_1 > 0
+};
+
+/// How the numbers of a sieve table are meant.
+struct SieveOptions {
+    std::string unit = "mm";
+    bool extend_top = false;  ///< carry the last slope in ln d on to 100 % where the curve stops short of it
+    /// The shares count grains; they are weighed with size cubed, mass spread evenly in ln d between sieves.
+    bool by_number = false;
+    std::vector<std::string> places = {};  ///< what errors call each point; none: "row 1", ...
+    std::string if_retained = "convert them to per cent finer first";  ///< remedy for a falling curve
+};
+
 using GradingLaw =
     std::variant<PointMasses, PowerLawGrading, LogNormalGrading, RosinRammlerGrading, SieveCurve>;
 
@@ -101,6 +118,14 @@ struct Grading {
     /// (N) mass by bin; what is finer than the grid goes to the fines bin. Sums to 1.
     /// @throws ParameterError if a grain is larger than the grid's last edge
     std::vector<double> on_grid(const LogGrid& grid) const;
+    /// Size D_x such that `percent` of the mass is finer: inf{d : F(d) >= percent/100}, at a plateau its lower
+    /// end; D_0 is the smallest size.
+    /// @param extrapolate  go on below the finest sieve, along the tail
+    /// @throws ParameterError if D_x lies below the finest sieve of a measured curve
+    double percentile(double percent, bool extrapolate = false) const;
+    /// The curve as points, linear in ln(size) between them: the sieves of a measured curve, both ends of each jump
+    /// of point masses, and a law at `count` sizes evenly spaced in ln(size).
+    CurvePoints points(Index count = 20001) const;
 
     friend bool operator==(const Grading& a, const Grading& b) { return a.law == b.law && a.unit == b.unit; }
 };
@@ -111,8 +136,9 @@ struct Grading {
 /// CHECK(comminute::monodisperse(2.0).finer(1.99) == 0.0);
 /// CHECK(comminute::gap_graded(1.0, 0.1, 0.25).finer(0.5) == 0.75);
 /// CHECK(comminute::power_law(2.5, 1e-3, 1.0).finer(1.0) == 1.0);
-/// auto sand = comminute::sieve_grading({0.5, 1.0, 2.0}, {0.0, 50.0, 100.0}, "mm");
+/// auto sand = comminute::sieve_grading({0.5, 1.0, 2.0}, {0.0, 50.0, 100.0}, {"mm"});
 /// CHECK(sand.finer(1.0) == 0.5);
+/// CHECK(sand.percentile(50.0) == 1.0);
 /// @endcode
 ///@{
 Grading monodisperse(double size);
@@ -134,13 +160,10 @@ Grading lognormal(double median, double sd_log, std::optional<double> largest = 
 /// @param largest  where the law is cut off; none: where 0.01 % would be coarser (a note says so)
 Grading rosin_rammler(double d63, double exponent, std::optional<double> largest = std::nullopt);
 /// @param size           two or more sieve openings in any order, all different
-/// @param percent_finer  one a sieve, 0 to 100, never falling with size, 100 at the coarsest; a curve that
-/// ends at
+/// @param percent_finer  one a sieve, 0 to 100, never falling with size, 100 at the coarsest; a curve that ends at
 ///                       exactly 1 is read as fractions (a note says so)
-/// @param extend_top     close a curve that stops short of 100 %: carry the last slope in ln d on to 100 % (a
-/// note says so)
 Grading sieve_grading(const std::vector<double>& size, const std::vector<double>& percent_finer,
-                      std::string unit = "mm", bool extend_top = false);
+                      const SieveOptions& options = {});
 ///@}
 
 /// What becomes of the exact sizes of a monodisperse or gap-graded start.

@@ -1,0 +1,134 @@
+"""What a run was asked for and what it was made of, as plain records that a file can hold."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from comminute._core import (
+    LogGrid,
+    LogNormalFragments,
+    Material,
+    ParameterError,
+    PowerLawFragments,
+    SolveReport,
+    StepReport,
+    TabulatedFragments,
+    WeibullFragments,
+)
+
+Law = WeibullFragments | PowerLawFragments | LogNormalFragments | TabulatedFragments
+
+LAWS: dict[str, tuple[type[Law], tuple[str, ...]]] = {
+    "weibull": (WeibullFragments, ("scale", "shape")),
+    "power-law": (PowerLawFragments, ("exponent",)),
+    "lognormal": (LogNormalFragments, ("mean_log", "sd_log")),
+    "tabulated": (TabulatedFragments, ("x", "finer")),
+}
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What `Simulation.run` was asked for: with start and material of a result, enough to run it again.
+
+    Attributes
+    ----------
+    loading_rate : tuple of float
+        One per load.
+    remix_after : tuple of int
+        Indices of loads after which the packing was remixed.
+    engine : str
+        As asked for; `Result.engine` says what ran.
+    kind : str or None
+        Kernel asked for.
+    steps_per_load : int or "rest"
+    by_stress : bool
+        The loads were given as stresses; not compared, since the same loads may be given either way.
+    stress_unit : str
+        Of the stresses, as text.
+    case : str
+        The resolved case as JSON text, for a run of a case file; else empty.
+    """
+
+    loading_rate: tuple[float, ...]
+    remix_after: tuple[int, ...] = ()
+    engine: str = "auto"
+    kind: str | None = None
+    steps_per_load: int | Literal["rest"] = "rest"
+    by_stress: bool = field(default=False, compare=False)
+    stress_unit: str = ""
+    case: str = ""
+
+    def of_first(self, loads: int) -> Recipe:
+        """Recipe of the first loads alone, for a run that was interrupted."""
+        remixed = tuple(k for k in self.remix_after if k < loads)
+        return replace(self, loading_rate=self.loading_rate[:loads], remix_after=remixed)
+
+    def to_json(self) -> str:
+        """Text from which `from_json` makes it again."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> Recipe:
+        """Recipe of a text that `to_json` wrote."""
+        fields = json.loads(text)
+        fields["loading_rate"] = tuple(float(rate) for rate in fields["loading_rate"])
+        fields["remix_after"] = tuple(int(k) for k in fields["remix_after"])
+        return cls(**fields)
+
+
+def law_record(law: Law) -> dict[str, Any]:
+    """Name and numbers of a fragment law."""
+    for name, (kind, fields) in LAWS.items():
+        if isinstance(law, kind):
+            values = {field: getattr(law, field) for field in fields}
+            return {"law": name} | {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
+    raise ParameterError(f"fragments is a {type(law).__name__}; it must be one of {', '.join(LAWS)}")
+
+
+def law_of(record: dict[str, Any]) -> Law:
+    """Fragment law of a record that `law_record` made."""
+    kind, fields = LAWS[record["law"]]
+    return kind(**{field: record[field] for field in fields})
+
+
+def material_record(material: Material) -> dict[str, Any]:
+    """Numbers of a material."""
+    return {
+        "weibull_modulus": material.weibull_modulus,
+        "fabric_width": material.fabric_width,
+        "reference_size": material.reference_size,
+        "fragments": law_record(material.fragments),
+        "first_crush_stress": material.first_crush_stress,
+    }
+
+
+def material_of(record: dict[str, Any]) -> Material:
+    """Material of a record that `material_record` made."""
+    return Material(**(record | {"fragments": law_of(record["fragments"])}))
+
+
+def grid_record(grid: LogGrid) -> dict[str, Any]:
+    """Numbers of a grid."""
+    return {"psi_min": grid.psi_min, "psi_max": grid.psi_max, "bins": grid.bins}
+
+
+REPORTS: dict[str, tuple[type[SolveReport] | type[StepReport], tuple[str, ...]]] = {
+    "solve": (SolveReport, ("path", "terms", "head", "fit_error", "crushed", "crushed_neighbour")),
+    "steps": (StepReport, ("active", "crushed", "crushed_neighbour", "steps")),
+}
+
+
+def report_record(report: SolveReport | StepReport) -> dict[str, Any]:
+    """Fields of a report, and which it is."""
+    name = "solve" if isinstance(report, SolveReport) else "steps"
+    return {"report": name} | {field: getattr(report, field) for field in REPORTS[name][1]}
+
+
+def report_of(record: dict[str, Any]) -> SolveReport | StepReport:
+    """Report of a record that `report_record` made."""
+    kind, fields = REPORTS[record["report"]]
+    return kind(**{field: record[field] for field in fields})
