@@ -131,7 +131,14 @@ def _loads(case: ReadyCase, earlier: Result | None) -> Iterator[Result]:
     path = simulation._load_path(case.material, ratio, stress, load.loading_rate, load.remix_after)  # type: ignore[arg-type]
     sim = case.simulation()
     recipe = Recipe(
-        (), (), engine.name, engine.kind, engine.steps_per_load, path.by_stress, case.resolved.units.stress, case.text()
+        (),
+        (),
+        engine.name,
+        engine.kind,
+        engine.steps_per_load,
+        by_stress=path.by_stress,
+        stress_unit=case.resolved.units.stress,
+        case=case.text(),
     )
     whole = earlier
     if whole is None:

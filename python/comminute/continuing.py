@@ -114,7 +114,8 @@ def run_again(result: Result) -> Result:
     Returns
     -------
     Result
-        Equal to it in every bit, on the same machine and build.
+        Equal to it in every bit, on the same machine and build; in all but the last bits where it was resumed
+        after loads whose fabric was not kept.
 
     Raises
     ------
@@ -141,7 +142,14 @@ def run_again(result: Result) -> Result:
             engine=recipe.engine,  # type: ignore[arg-type]
             kind=recipe.kind,  # type: ignore[arg-type]
             steps_per_load=recipe.steps_per_load,
-            keep_fabrics=kept,
+            keep_fabrics="all" if recipe.chained else kept,
         )
-    labels: dict[str, Any] = {"unit": result.unit, "notes": result.notes, "warnings": result.warnings, "recipe": recipe}
+    fabrics = tuple(fabric if k in kept else None for k, fabric in enumerate(again.fabrics))
+    labels: dict[str, Any] = {
+        "fabrics": fabrics,
+        "unit": result.unit,
+        "notes": result.notes,
+        "warnings": result.warnings,
+        "recipe": recipe,
+    }
     return dataclasses.replace(again, **labels)

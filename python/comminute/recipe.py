@@ -47,6 +47,9 @@ class Recipe:
     steps_per_load : int or "rest"
     by_stress : bool
         The loads were given as stresses; not compared, since the same loads may be given either way.
+    chained : bool
+        Every load went on from the fabric after the one before, as when all are kept; not compared. Otherwise
+        the gradings of loads whose fabric was not kept come from the last one that was, the same to rounding.
     stress_unit : str
         Of the stresses, as text.
     case : str
@@ -59,6 +62,7 @@ class Recipe:
     kind: str | None = None
     steps_per_load: int | Literal["rest"] = "rest"
     by_stress: bool = field(default=False, compare=False)
+    chained: bool = field(default=True, compare=False)
     stress_unit: str = ""
     case: str = ""
 

@@ -413,7 +413,8 @@ class Simulation:
         records = _Records()
         walk = _Path(fabric, engines, steps)
         rates, remixed = tuple(path.loading_rate.tolist()), tuple(sorted(path.remix_after))
-        recipe = Recipe(rates, remixed, engine, kind, steps_per_load, path.by_stress)
+        chained = len(wanted) == path.stress_ratio.size
+        recipe = Recipe(rates, remixed, engine, kind, steps_per_load, path.by_stress, chained)
         try:
             for k, load in enumerate(path.stress_ratio):
                 rate = float(path.loading_rate[k])
