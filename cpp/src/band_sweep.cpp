@@ -171,8 +171,8 @@ void BandSweep::set_shares(const ActiveBand& before, const ActiveBand& after, In
     std::fill(arrived + first(m), arrived + m - last, 0.0);
     std::fill(settled + first(m), settled + m - last, 0.0);
     for (Index d = last; d >= 0; --d) {
-        const double share = after.share(m, d);
         const double was = before.share(m, d);
+        const double share = std::max(after.share(m, d), was);  // rounding may shrink it by an ulp
         arrived[m - d] = share;
         // Mass that has settled fills the part of its cell outside the old zone.
         settled[m - d] = was < 1.0 ? (share - was) / (1.0 - was) : 0.0;

@@ -70,7 +70,7 @@ void BlendSweep::run(const ActiveBand& before, const ActiveBand& after, MatrixVi
     for (Index m = bins_ - 1; m >= 0; --m) {
         for (Index k = m; k >= 0; --k) {
             const double was = before.share(m, m - k);
-            const double arrived = after.share(m, m - k);
+            const double arrived = std::max(after.share(m, m - k), was);  // rounding may shrink it by an ulp
             const double settled = was < 1.0 ? (arrived - was) / (1.0 - was) : 0.0;
             visit(m, k, settled, arrived, state, out);
             if (k < m) visit(k, m, settled, arrived, state, out);
