@@ -80,8 +80,8 @@ void PointSweep::crush_atom(const Atom& atom) {
         for (Index i = 0; i < grid_.bins(); ++i) {
             Parts& landed = ridge.arrived[static_cast<std::size_t>(i)];
             const double share = pmf[static_cast<std::size_t>(i)];
-            const double above =
-                i < own ? 0.0 : (i > own ? share : finer(grid_.edge(i + 1), from) - finer(at, from));
+            const double within = finer(grid_.edge(i + 1), from) - finer(at, from);
+            const double above = i < own ? 0.0 : (i > own ? share : std::clamp(within, 0.0, share));
             landed.above += mass * above;
             landed.below += mass * (share - above);
         }
@@ -101,7 +101,8 @@ void PointSweep::crush_atom(const Atom& atom) {
 // What crushes along a ridge until it leaves its bin; in the bin that holds the exact size it lands on both sides.
 void PointSweep::fall_along(double mass, Index from, double at, std::vector<Parts>& onto) const {
     const Index own = grid_.bin_of(at);
-    const double upper_part = (grid_.edge(own + 1) - at) / grid_.spacing();
+    // On an edge, rounding may take it out of its bin by an ulp.
+    const double upper_part = std::clamp((grid_.edge(own + 1) - at) / grid_.spacing(), 0.0, 1.0);
     const double leaves = 1.0 - fragments_.mass[0];
     for (Index k = 0; k < from; ++k) {
         const double share = k == 0 ? fragments_.below[static_cast<std::size_t>(from)]
