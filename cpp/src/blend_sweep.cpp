@@ -24,7 +24,7 @@ void BlendSweep::spread(double mass, Index from, bool with_stay, double* line) c
 void BlendSweep::crush(Index i, Index j, double mass) {
     const double stays = fragments_.mass[0];
     const bool fines = i == 0 || j == 0;
-    const double leaves = fines ? 1.0 - stays : 1.0 - (1.0 - rate_) * stays - rate_ * stays * stays;
+    const double leaves = fragments_.below[1] * (fines ? 1.0 : 1.0 + rate_ * stays);
     const double crushing = mass / leaves;
     const double slow = (1.0 - rate_) * crushing;
     const double grain = i == j ? 0.5 : (i > j ? 1.0 : 0.0);

@@ -14,16 +14,8 @@ CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum) {
     CrushTable table;
     const std::size_t bins = pmf.mass.size();
     table.bins = static_cast<Index>(bins);
-    table.stays = pmf.mass[0];
-    // What leaves a bin by m or more, summed over the bins: what one crush lands then adds up to 1, to the last bit or
-    // two, where the law's own 1 - stays would miss it by a few, at each of a packet's many crushes.
-    std::vector<double> beyond(bins, 1.0);
-    long double further = pmf.below[bins - 1];
-    for (std::size_t m = bins - 1; m > 0; --m) {
-        beyond[m] = static_cast<double>(further);
-        further += pmf.mass[m - 1];
-    }
-    const double leaves = bins > 1 ? beyond[1] : 1.0;
+    const double leaves = pmf.below[1];
+    table.leaves = leaves;
     const std::size_t terms = (sum.coefficient.size() + 3) / 4 * 4;
     table.terms = static_cast<Index>(terms);
     table.head = terms > 0 ? sum.head : table.bins - 1;
@@ -49,7 +41,7 @@ CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum) {
     table.below.assign(bins, 1.0);
     double short_of_law = 0.0;  // what the bins so far hold too little, by the error of the sum
     for (std::size_t m = 1; m < bins; ++m) {
-        table.below[m] = std::max(beyond[m] / leaves + short_of_law, 0.0);
+        table.below[m] = std::max(pmf.below[m] / leaves + short_of_law, 0.0);
         const double by_law = pmf.mass[m] / leaves;
         table.mass[m] = by_law;
         if (static_cast<Index>(m) > table.head) {
