@@ -34,7 +34,7 @@ build/release/.built: $(VENV)/.made $(SOURCES) $(shell find tests/cpp tests/cons
 lint: $(VENV)/.installed
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
-	$(VENV)/bin/mypy --strict python/comminute examples tests/python
+	$(VENV)/bin/mypy --strict python/comminute examples tests/python tests/long docs/validation
 	clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
 	cmake --preset release > /dev/null
 	ls cpp/src/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option
@@ -47,12 +47,13 @@ sanitize: $(VENV)/.made
 
 check: lint sanitize test
 
-# Long random checks; their report belongs under docs/validation.
+# Long random checks; the last one writes its report under docs/validation.
 check-long: $(VENV)/.installed
 	COMMINUTE_HYPOTHESIS=long $(PY) -m pytest -q tests/python/test_against_reference.py tests/python/test_laws.py \
 	  tests/python/test_lattice.py
 	$(PY) tests/python/mutations.py 60000 30000 20000
 	COMMINUTE_KILLS=50 $(PY) -m pytest -q -s tests/python/test_cli.py -k killed
+	$(PY) tests/long/fuzz_quasi_static.py
 
 clean:
 	rm -rf $(VENV) build out

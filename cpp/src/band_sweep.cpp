@@ -216,9 +216,10 @@ void BandSweep::set_shares(const ActiveBand& before, const ActiveBand& after, In
     for (Index d = last; d >= after.full(m); --d) arrived[m - d] = after.share(m, d);
     std::fill(arrived + m + 1 - after.full(m), arrived + m + 1, 1.0);
     std::copy(arrived + first(m), arrived + m + 1, settled + first(m));
-    // Mass that has settled fills the part of its cell outside the old zone.
+    // Mass that has settled fills the part of its cell outside the old zone, which rounding may make the larger one.
     for (Index d = before.last(m); d >= 0; --d) {
         const double was = before.share(m, d);
+        arrived[m - d] = std::max(arrived[m - d], was);
         settled[m - d] = was < 1.0 ? (arrived[m - d] - was) / (1.0 - was) : 0.0;
     }
 }

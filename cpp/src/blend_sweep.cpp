@@ -24,7 +24,7 @@ void BlendSweep::spread(double mass, Index from, bool with_stay, double* line) c
 void BlendSweep::crush(Index i, Index j, double mass) {
     const double stays = fragments_.mass[0];
     const bool fines = i == 0 || j == 0;
-    const double leaves = fines ? 1.0 - stays : 1.0 - (1.0 - rate_) * stays - rate_ * stays * stays;
+    const double leaves = fragments_.below[1] * (fines ? 1.0 : 1.0 + rate_ * stays);
     const double crushing = mass / leaves;
     const double slow = (1.0 - rate_) * crushing;
     const double grain = i == j ? 0.5 : (i > j ? 1.0 : 0.0);
@@ -70,7 +70,7 @@ void BlendSweep::run(const ActiveBand& before, const ActiveBand& after, MatrixVi
     for (Index m = bins_ - 1; m >= 0; --m) {
         for (Index k = m; k >= 0; --k) {
             const double was = before.share(m, m - k);
-            const double arrived = after.share(m, m - k);
+            const double arrived = std::max(after.share(m, m - k), was);  // rounding may shrink it by an ulp
             const double settled = was < 1.0 ? (arrived - was) / (1.0 - was) : 0.0;
             visit(m, k, settled, arrived, state, out);
             if (k < m) visit(k, m, settled, arrived, state, out);

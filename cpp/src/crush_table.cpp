@@ -16,8 +16,8 @@ CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum) {
     CrushTable table;
     const std::size_t bins = pmf.mass.size();
     table.bins = static_cast<Index>(bins);
-    table.stays = pmf.mass[0];
-    const double leaves = 1.0 - table.stays;
+    const double leaves = pmf.below[1];
+    table.leaves = leaves;
     const std::size_t terms = (sum.coefficient.size() + 3) / 4 * 4;
     table.terms = static_cast<Index>(terms);
     table.head = terms > 0 ? sum.head : table.bins - 1;

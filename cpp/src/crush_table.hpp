@@ -13,7 +13,7 @@ struct CrushTable {
     Index bins = 0;
     Index head = 0;                     ///< H; bins - 1 where there are no sums
     Index terms = 0;                    ///< K, padded with empty terms to a multiple of 4; 0: no sums
-    double stays = 0.0;                 ///< f_0, the share of one crush that does not leave the bin
+    double leaves = 1.0;                ///< 1 - f_0, the share of one crush that leaves the bin
     std::vector<double> mass;           ///< (N) share that lands m bins down, mass[0] = 0
     std::vector<double> mass_upwards;   ///< (N) the same in the order of the bins: entry N - 1 - m
     std::vector<double> below;          ///< (N) from bin m: share that lands in the fines bin

@@ -76,7 +76,8 @@ bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
     const double largest = *std::max_element(pmf.mass.begin(), pmf.mass.end());
     const double worst = largest_error(sum, pmf);
     sum.error = worst / largest;
-    return sum.error <= 1e-13 && worst <= 5e-15;
+    const double leaves = pmf.below.size() > 1 ? pmf.below[1] : 1.0;
+    return sum.error <= 1e-13 && worst <= 1e-15 * leaves;
 }
 
 ExponentialSum sum_of(const PowerLawFragments& law, double h, const FragmentPmf& pmf, FragmentRule rule) {

@@ -75,8 +75,8 @@ void PointSweep::crush_atom(const Atom& atom) {
         for (Index i = 0; i < grid_.bins(); ++i) {
             Parts& landed = ridge.arrived[static_cast<std::size_t>(i)];
             const double share = pmf[static_cast<std::size_t>(i)];
-            const double above =
-                i < own ? 0.0 : (i > own ? share : finer(grid_.edge(i + 1), from) - finer(at, from));
+            const double within = finer(grid_.edge(i + 1), from) - finer(at, from);
+            const double above = i < own ? 0.0 : (i > own ? share : std::clamp(within, 0.0, share));
             landed.above += mass * above;
             landed.below += mass * (share - above);
         }
@@ -96,8 +96,9 @@ void PointSweep::crush_atom(const Atom& atom) {
 // What crushes along a ridge until it leaves its bin; in the bin that holds the exact size it lands on both sides.
 void PointSweep::fall_along(double mass, Index from, double at, std::vector<Parts>& onto) const {
     const Index own = grid_.bin_of(at);
-    const double upper_part = (grid_.edge(own + 1) - at) / grid_.spacing();
-    const double leaves = 1.0 - fragments_.mass[0];
+    // On an edge, rounding may take it out of its bin by an ulp.
+    const double upper_part = std::clamp((grid_.edge(own + 1) - at) / grid_.spacing(), 0.0, 1.0);
+    const double leaves = fragments_.below[1];
     for (Index k = 0; k < from; ++k) {
         const double share = k == 0 ? fragments_.below[static_cast<std::size_t>(from)]
                                     : fragments_.mass[static_cast<std::size_t>(from - k)];
@@ -159,10 +160,10 @@ void PointSweep::crush_line(const Place& place, Line& ridge) {
         settled.above = settled.above * (1.0 - fresh.above) + arrived.above * (1.0 - share.above);
         settled.below = settled.below * (1.0 - fresh.below) + arrived.below * (1.0 - share.below);
         if (above > 0.0) {  // the partner is the larger one
-            const double stays = fragments_.mass[0];
-            const double crushing = above / (1.0 - (1.0 - rate_) * stays);
+            const double leaves = fragments_.below[1];
+            const double crushing = above / (rate_ + (1.0 - rate_) * leaves);
             const double slow = (1.0 - rate_) * crushing;
-            fall_along(slow * (1.0 - stays), j, at, ridge.arrived);
+            fall_along(slow * leaves, j, at, ridge.arrived);
             count(other(exact), crushing);
             count(exact, rate_ * crushing);
             if (rate_ > 0.0) spread(rate_ * crushing, j, into_bins(exact, at));

@@ -147,8 +147,8 @@ struct QuasiStatic::Work {
         report.terms = by.terms > 0 ? static_cast<Index>(sum.coefficient.size()) : 0;
         report.head = by.head;
         report.fit_error = by.terms > 0 ? sum.error : 0.0;
-        report.crushed = sweep.crushed() / (1.0 - by.stays);
-        report.crushed_neighbour = sweep.crushed_neighbour() / (1.0 - by.stays);
+        report.crushed = sweep.crushed() / by.leaves;
+        report.crushed_neighbour = sweep.crushed_neighbour() / by.leaves;
         return report;
     }
 

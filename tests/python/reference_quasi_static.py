@@ -20,6 +20,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 import reference as ref
+import reference_shares
 from reference import Array, Law, Model, Rule
 
 Scheme = Literal["conservative", "paper"]
@@ -134,7 +135,7 @@ def fractions(psi: Array, model: Model, stress_ratio: float, scheme: Scheme) -> 
     if scheme == "paper":  # the whole cell or nothing, by its centre; the zones 01, 10 and 11 alike, Eq. (63)
         return (ref.zones(psi, model, stress_ratio) > 0).astype(np.float64)
     if scheme == "conservative":
-        return np.minimum(ref.active_share(psi, model, stress_ratio), 1.0)
+        return reference_shares.active_share(psi, model, stress_ratio)
     raise ValueError(f"unknown scheme {scheme!r}")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from itertools import pairwise
 from typing import NamedTuple, get_args
 
@@ -27,12 +26,6 @@ LAWS: list[Law] = [
     NO_TAIL,
     Tabulated((0.5, 1.0), (0.0, 1.0)),
 ]
-
-
-@pytest.fixture(autouse=True)
-def _quick_shares(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Active shares to 5e-8, in a fifth of the time; nothing here depends on more."""
-    monkeypatch.setattr(ref, "active_share", partial(ref.active_share, points=4000))
 
 
 def integral_of_cdf(law: Law, low: float, high: float) -> float:

@@ -130,7 +130,8 @@ struct ExponentialSum {
     double error = 0.0;               ///< largest |sum - f_m| over the tail, as a share of the largest f_m
 };
 
-/// The shortest sum that meets `pmf` to 1e-13 of its largest entry and to 5e-15, checked against every entry.
+/// The shortest sum that meets `pmf` to 1e-13 of its largest entry and to 1e-15 of all that leaves a bin, checked against
+/// every entry.
 /// @param pmf  fragment_pmf of the same law, spacing and rule
 ///
 /// @code{.cpp}
