@@ -4,10 +4,18 @@ VENV ?= .venv
 PY := $(VENV)/bin/python
 SOURCES := $(shell find cpp python cmake -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml README.md LICENSE
 
-.PHONY: run test lint sanitize check check-long clean system
+.PHONY: run figures docs test lint sanitize check check-long clean system
 
 run: $(VENV)/.installed
 	$(PY) examples/four_gradings.py out
+
+# The figures of the paper, for print at 85 and 170 mm.
+figures: $(VENV)/.installed
+	$(PY) docs/gallery/run_all.py out/figures
+
+docs: $(VENV)/.installed
+	$(PY) -m pip install --quiet '.[docs]'
+	$(PY) -m sphinx -q -W docs docs/_build
 
 test: $(VENV)/.installed build/release/.built
 	ctest --preset release

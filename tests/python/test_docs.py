@@ -8,7 +8,16 @@ from pathlib import Path
 import pytest
 
 import comminute as cm
-from comminute import lattice, lattice_results, plotting, results, simulation, small_ring
+from comminute import (
+    comparison_plots,
+    lattice,
+    lattice_results,
+    paper_plots,
+    plotting,
+    results,
+    simulation,
+    small_ring,
+)
 
 ROOT = Path(__file__).parents[2]
 
@@ -17,7 +26,7 @@ def documented() -> list[tuple[str, str]]:
     """Every public object and method with its docstring."""
     found = [("comminute", cm.__doc__ or "")]
     objects = {name: getattr(cm, name) for name in cm.__all__ if not name.startswith("__")}
-    for module in (lattice, lattice_results, plotting, results, simulation, small_ring):
+    for module in (comparison_plots, lattice, lattice_results, paper_plots, plotting, results, simulation, small_ring):
         objects |= {
             name: value
             for name, value in vars(module).items()
