@@ -3,7 +3,7 @@ Figure 8: a gap-graded start
 ============================
 
 Half of the mass in grains of size 1, half in grains of size 0.1. Most large grains that have a small neighbour survive
-the largest load. The curves of lattice and continuum agree to a few hundredths.
+the largest load: it cushions them. The curves of lattice and continuum agree to a few hundredths.
 """
 
 import math

@@ -3,8 +3,8 @@ Figure 9: a well-graded start
 =============================
 
 A power law of fractal dimension 2.5 between sizes 0.001 and 1. Few neighbours are alike, so that little crushes, and
-lattice and continuum are closest here: their curves agree to a few hundredths. For a *narrow* band of sizes they
-do not; see the page on how good the continuum model is.
+the curves of lattice and continuum agree to a few hundredths. Of that little, though, the continuum model crushes only
+about half. For a *narrow* band of sizes the two do not agree; see the page on how good the continuum model is.
 """
 
 import math
