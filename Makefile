@@ -42,7 +42,7 @@ build/release/.built: $(VENV)/.made $(SOURCES) $(shell find tests/cpp tests/cons
 lint: $(VENV)/.installed
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
-	$(VENV)/bin/mypy --strict python/comminute examples tests/python
+	$(VENV)/bin/mypy --strict python/comminute examples tests/python docs/gallery docs/validation
 	clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
 	cmake --preset release > /dev/null
 	ls cpp/src/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option
