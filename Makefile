@@ -4,10 +4,18 @@ VENV ?= .venv
 PY := $(VENV)/bin/python
 SOURCES := $(shell find cpp python cmake -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml README.md LICENSE
 
-.PHONY: run test lint sanitize check check-long clean system
+.PHONY: run figures docs test lint sanitize check check-long clean system
 
 run: $(VENV)/.installed
 	$(PY) examples/four_gradings.py out
+
+# The figures of the paper, for print at 85 and 170 mm.
+figures: $(VENV)/.installed
+	$(PY) docs/gallery/run_all.py out/figures
+
+docs: $(VENV)/.installed
+	$(PY) -m pip install --quiet '.[docs]'
+	$(PY) -m sphinx -q -W docs docs/_build
 
 test: $(VENV)/.installed build/release/.built
 	ctest --preset release
@@ -34,7 +42,7 @@ build/release/.built: $(VENV)/.made $(SOURCES) $(shell find tests/cpp tests/cons
 lint: $(VENV)/.installed
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
-	$(VENV)/bin/mypy --strict python/comminute examples tests/python tests/long docs/validation
+	$(VENV)/bin/mypy --strict python/comminute examples tests/python tests/long docs/gallery docs/validation
 	clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
 	cmake --preset release > /dev/null
 	ls cpp/src/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option

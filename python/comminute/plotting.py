@@ -1,4 +1,7 @@
-"""Plots with matplotlib, each on an `Axes` of the caller's choice; nothing here opens a window."""
+"""Plots with matplotlib, each on an `Axes` of the caller's choice; nothing here opens a window.
+
+The paper's figures have modules of their own, `paper_plots` and `comparison_plots`, and are found here too.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,41 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from comminute._core import CrushZones, Fabric, Material
+from comminute.comparison_plots import (
+    plot_cdf_families,
+    plot_comparison,
+    plot_distances,
+    plot_evolution,
+    plot_state,
+)
+from comminute.paper_plots import (
+    PRINT_STYLE,
+    figure_size,
+    plot_fragment_kernel,
+    plot_stress_contours,
+    plot_zones,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from comminute.results import Floats, Result
+
+__all__ = [
+    "PRINT_STYLE",
+    "figure_size",
+    "plot_cdf_families",
+    "plot_comparison",
+    "plot_distances",
+    "plot_evolution",
+    "plot_fabric",
+    "plot_fragment_kernel",
+    "plot_gradings",
+    "plot_result",
+    "plot_state",
+    "plot_stress_contours",
+    "plot_zones",
+]
 
 LOAD_COLOURS = mpl.colormaps["viridis"]
 ZONE_COLOUR = "#d62728"

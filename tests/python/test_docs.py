@@ -13,12 +13,14 @@ import pytest
 import comminute as cm
 from comminute import (
     breakage,
+    comparison_plots,
     continuing,
     curves,
     everyday_plots,
     indices,
     lattice,
     lattice_results,
+    paper_plots,
     plotting,
     reading,
     recipe,
@@ -44,7 +46,7 @@ MODULES: tuple[ModuleType, ...] = (
     results,
     sieves,
 )
-MODULES += (simulation, small_ring, storage, tables)
+MODULES += (comparison_plots, paper_plots, simulation, small_ring, storage, tables)
 ROOT = Path(__file__).parents[2]
 
 
