@@ -55,7 +55,7 @@ def test_the_exact_kernel_remembers_the_steps_and_auto_never_solves_it() -> None
     np.testing.assert_array_equal(slow.cdf[-1], slow_once.cdf[-1])
     for kind in ("fast", "blend", "slow"):
         rate = 0.3 if kind == "blend" else 0.0
-        assert sim.run(stress_ratio=2.0, kind=kind, loading_rate=rate).engine == "quasi-static"  # type: ignore[arg-type]
+        assert sim.run(stress_ratio=2.0, kind=kind, loading_rate=rate).engine == "quasi-static"
     assert sim.run(stress_ratio=2.0, steps_per_load=2).engine == "slow-update"
     with pytest.raises(cm.ParameterError, match="no solve"):
         sim.run(stress_ratio=2.0, kind="exact", engine="quasi-static")
@@ -78,7 +78,9 @@ def settled(
     return after, solver.report.crushed
 
 
-def errors(bins: int, n: float, w: float, stress_ratio: float, scheme: qs.Scheme = "conservative") -> tuple[float, float]:
+def errors(
+    bins: int, n: float, w: float, stress_ratio: float, scheme: qs.Scheme = "conservative"
+) -> tuple[float, float]:
     """Error of the cdf, at sizes further than a coarse bin from s_c, and of the mean number of crushes."""
     after, crushed = settled(bins, n, w, stress_ratio, scheme)
     critical = -w / 3.0 * math.log(stress_ratio)
