@@ -32,16 +32,17 @@ struct Source {
 
 // Removes FFT noise from a spread line by the rule stated in the header, and closes its mass balance in bin
 // 0.
-void clean(double* line, Index bins, const Source& source) {
+void clean(double* line, Index bins, const Source& source, bool some_stays) {
+    const Index highest = some_stays ? source.top : source.top - 1;
     double landed = 0.0;
     Index largest = 0;
     line[0] = 0.0;
-    for (Index i = 1; i <= source.top; ++i) {
+    for (Index i = 1; i <= highest; ++i) {
         line[i] = std::max(line[i], 0.0);
         landed += line[i];
         if (line[i] > line[largest]) largest = i;
     }
-    std::fill(line + source.top + 1, line + bins, 0.0);
+    std::fill(line + std::max(highest, Index{0}) + 1, line + bins, 0.0);
     const double fines = source.pushed - landed;
     line[0] = std::max(fines, 0.0);
     if (fines < 0.0) line[largest] += fines;
@@ -66,6 +67,7 @@ struct FullConvolution::Workspace {
         : kernel(std::move(k)),
           zones(kernel.grid(), kernel.material(), 0.0),
           spreader(kernel.fragments().mass, lines_at_once, effort),
+          some_stays(kernel.fragments().mass[0] > 0.0),
           stride(8 * ((kernel.grid().bins() + 7) / 8 |
                       1)),  // an odd number of cache lines: columns spread over all sets
           psi_crushing(static_cast<std::size_t>(kernel.grid().bins() * stride)) {}
@@ -78,6 +80,7 @@ struct FullConvolution::Workspace {
     Kernel kernel;
     CrushZones zones;
     LineSpreader spreader;
+    bool some_stays;  // of a crush, in its own bin; never under the paper's rule
     Index stride;
     std::vector<double> psi_crushing;  // mass to be spread along psi: a + f *_psibar c
     std::array<Source, lines_at_once> source;
@@ -131,7 +134,7 @@ void FullConvolution::Workspace::spread_rows(Index begin, Index end, MatrixView<
             if (source[static_cast<std::size_t>(b)].top < 0) continue;
             double* to = b % 2 == 0 ? out.row(i) : psi_crushing.data() + i * stride;
             const double* line = spreader.line(b);
-            clean(spreader.line(b), bins, source[static_cast<std::size_t>(b)]);
+            clean(spreader.line(b), bins, source[static_cast<std::size_t>(b)], some_stays);
             for (Index j = 0; j < bins; ++j) to[j] += line[j];
         }
     }
@@ -151,7 +154,7 @@ void FullConvolution::Workspace::spread_columns(Index begin, Index end, MatrixVi
     if (std::all_of(source.begin(), source.end(), [](const Source& s) { return s.top < 0; })) return;
     spreader.spread();
     for (Index j = begin; j < end; ++j) {
-        clean(spreader.line(j - begin), bins, source[static_cast<std::size_t>(j - begin)]);
+        clean(spreader.line(j - begin), bins, source[static_cast<std::size_t>(j - begin)], some_stays);
     }
     for (Index i = 0; i < bins; ++i) {
         for (Index j = begin; j < end; ++j) out(i, j) += spreader.line(j - begin)[i];

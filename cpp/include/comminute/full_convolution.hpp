@@ -14,9 +14,9 @@ enum class PlanEffort { estimate, measure };
 ///
 /// With the mass masked by what crushes into a (psi), b (psibar) and c (both), the step is
 /// p' = rest + f *_psi (a + f *_psibar c) + f *_psibar b, O(N^2 log N). Mass at rest never passes through a
-/// transform. FFT noise is removed line by line: nothing above a line's coarsest source, no negative entry,
-/// and the fines bin takes what was crushed less what landed (a deficit there is taken from the line's
-/// largest entry).
+/// transform. FFT noise is removed line by line: nothing where no fragment can land (above a line's coarsest
+/// source, and in that bin too where no fragment stays in its bin), no negative entry, and the fines bin takes
+/// what was crushed less what landed (a deficit there is taken from the line's largest entry).
 ///
 /// Owns its workspace (about one state); use one object per thread. A step allocates nothing.
 ///
