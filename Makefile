@@ -62,6 +62,7 @@ check-long: $(VENV)/.installed
 	$(PY) tests/python/mutations.py 60000 30000 20000
 	COMMINUTE_KILLS=50 $(PY) -m pytest -q -s tests/python/test_cli.py -k killed
 	$(PY) tests/long/fuzz_quasi_static.py
+	$(PY) tests/long/lattice_statistics.py
 
 clean:
 	rm -rf $(VENV) build out
