@@ -23,6 +23,8 @@ import comminute as cm
 SANDS = Path(__file__).parents[2] / "examples" / "sands"
 SECONDS = 20  # more than any reading takes; what takes longer hangs
 BATCH = 2000
+LONG = 100_000  # inputs in all, from which on the run writes its report
+REPORT = Path(__file__).parents[2] / "docs" / "validation" / "mutated-inputs.md"
 TOKENS = [b"", b"nan", b"inf", b"-1", b"0", b"1e999", b"1e-999", b"1e300", b"pan", b"\x00", b"\xff", b"\n", b"\r", b'"']
 TOKENS += [b",", b";", b"\t", b"#", b"=", b"[", b"]", b"{", b"}", b"'", b"true", b"[1, 2]", b"9" * 400, "µ".encode()]
 TOKENS += [
@@ -178,7 +180,7 @@ def batch(kind: str, first: int, count: int) -> None:
 
 def main(counts: dict[str, int]) -> int:
     """Try so many inputs of each kind, in child processes; report and return the number of failures."""
-    failures = 0
+    failures, lines = 0, list[str]()
     for kind, count in counts.items():
         read = 0
         for first in range(0, count, BATCH):
@@ -190,9 +192,26 @@ def main(counts: dict[str, int]) -> int:
             failures += 1
             number = next((line for line in reversed(done.stderr.splitlines()) if line.isdecimal()), "?")
             reason = done.stderr.splitlines()[-1] if done.stderr else ""
-            print(f"{kind} input {number}: exit code {done.returncode}, {reason}")
-        print(f"{kind}: {count} mutated inputs, {read} read, the others refused in words")
+            lines.append(f"{kind} input {number}: exit code {done.returncode}, {reason}")
+            print(lines[-1])
+        lines.append(f"{kind}: {count} mutated inputs, {read} read, the others refused in words")
+        print(lines[-1])
+    if sum(counts.values()) >= LONG:
+        REPORT.write_text(page(lines, failures), encoding="utf-8")
     return failures
+
+
+def page(lines: list[str], failures: int) -> str:
+    """Page for the documentation."""
+    head = [
+        "# Mutated inputs",
+        "",
+        f"comminute {cm.__version__}; written by `tests/python/mutations.py`, which `make check-long` runs. Sieve",
+        "tables, case files and result files with bytes, tokens or lines changed: each is read right or refused in",
+        "words, never with a crash, a hang or another exception.",
+        "",
+    ]
+    return "\n".join([*head, *(f"* {line}" for line in lines), "", f"Failures: {failures}."]) + "\n"
 
 
 if __name__ == "__main__":
