@@ -16,7 +16,7 @@ from pathlib import Path
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[variable] = "1"
 
-CASES = ("convolution", "increments", "quasi_static", "growth", "batch", "lattice", "cold_start")
+CASES = ("convolution", "increments", "quasi_static", "growth", "whole_path", "batch", "lattice", "cold_start")
 
 
 def parsed(arguments: list[str]) -> argparse.Namespace:
@@ -53,7 +53,7 @@ def main(arguments: list[str]) -> None:
     if options.short:
         return
     options.out.mkdir(parents=True, exist_ok=True)
-    machine["load average"] += " before, {:.2f} after".format(os.getloadavg()[0])
+    machine["load average"] += f" before, {os.getloadavg()[0]:.2f} after"
     write_json(options.out / "benchmarks.json", outcomes, machine)
     plots = plot(options.out, outcomes)
     (options.out / "benchmarks.md").write_text(markdown(outcomes, machine, plots), encoding="utf-8")

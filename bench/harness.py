@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import statistics
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -16,6 +15,7 @@ LONG_ROUND = 10.0  # seconds; a round that takes longer is run once
 BUDGET = 6.0  # seconds of rounds beyond the least number of them
 
 OURS = "comminute"
+PER_SECOND, SECONDS = "per second", "seconds"
 
 
 class WrongAnswerError(SystemExit):
@@ -49,11 +49,11 @@ class Contestant:
 
 @dataclass(frozen=True)
 class Goal:
-    """A ratio of two contestants' times, or a rate, and what was hoped for."""
+    """A ratio of two contestants' times, or the speed or time of one, and what was hoped for."""
 
     text: str
     over: str
-    under: str | None  # None: the rate of `over`, in units of work a second
+    under: str  # another contestant, or PER_SECOND or SECONDS for `over` alone, a unit of work
     least: float | None = None
     most: float | None = None
 
@@ -72,6 +72,7 @@ class Trial:
     checks: list[Check]
     goals: list[Goal] = field(default_factory=list)
     size: int | None = None  # for the plots of cost against N
+    steepest: float | None = None  # exponent hoped for of comminute's cost against N
     unit: str = ""  # what one unit of work is, where a run does many
     note: str = ""
     between_rounds: Callable[[int], object] | None = None  # given the number of the round, not timed
@@ -167,11 +168,11 @@ def _round(trial: Trial, number: int) -> list[float]:
 
 
 def _figure(goal: Goal, columns: dict[str, list[float]]) -> Figure:
-    over = columns[goal.over]
-    if goal.under is None:
-        values = [1.0 / seconds for seconds in over]
-    else:
-        values = [a / b for a, b in zip(over, columns[goal.under], strict=True)]
+    values = columns[goal.over]
+    if goal.under == PER_SECOND:
+        values = [1.0 / seconds for seconds in values]
+    elif goal.under != SECONDS:
+        values = [a / b for a, b in zip(values, columns[goal.under], strict=True)]
     lower, median, upper = np.quantile(values, [0.25, 0.5, 0.75])
     return Figure(goal, float(median), float(lower), float(upper))
 
@@ -203,8 +204,3 @@ def run(trial: Trial, mode: Literal["check", "time"]) -> Outcome:
 def exponent(sizes: list[int], seconds: list[float]) -> float:
     """Slope of log cost against log N, by least squares."""
     return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
-
-
-def median(values: list[float]) -> float:
-    """As the name says."""
-    return statistics.median(values)

@@ -6,7 +6,7 @@ import json
 from collections import defaultdict
 from pathlib import Path
 
-from harness import Figure, Outcome, Times, exponent
+from harness import OURS, PER_SECOND, SECONDS, Figure, Outcome, Times, exponent
 
 HOW = """\
 Every figure comes from one run of `make bench` on one machine. Before a trial is timed, the answer of every contestant
@@ -31,12 +31,12 @@ def _value(value: float) -> str:
 def _hoped_for(figure: Figure) -> str:
     goal = figure.goal
     measured = f"{_value(figure.value)} ({_value(figure.lower)} … {_value(figure.upper)})"
-    what = f"{goal.over} / {goal.under}" if goal.under else f"{goal.over}, per second"
+    what = f"{goal.over}, {goal.under}" if goal.under in {PER_SECOND, SECONDS} else f"{goal.over} / {goal.under}"
     return f"| {goal.text} | {what} | {measured} | {'yes' if figure.met else 'no'} |"
 
 
 def _goals(outcomes: list[Outcome]) -> list[str]:
-    lines = ["| trial | goal | ratio | measured (quartiles) | met |", "|---|---|---|---|---|"]
+    lines = ["| trial | goal | what | median (quartiles) | met |", "|---|---|---|---|---|"]
     for outcome in outcomes:
         lines += [f"| {outcome.trial.title} {_hoped_for(figure)}" for figure in outcome.figures]
     return lines
@@ -82,6 +82,7 @@ def _power_of_two(size: int) -> bool:
 def growth(outcomes: list[Outcome]) -> list[dict[str, object]]:
     """Fitted exponents; powers of two are left out of the fit and compared with it."""
     rows: list[dict[str, object]] = []
+    steepest = {(outcome.trial.case, OURS): outcome.trial.steepest for outcome in outcomes}
     for case, by_name in curves(outcomes).items():
         for name, (sizes, times) in by_name.items():
             plain = [(n, t.median) for n, t in zip(sizes, times, strict=True) if not _power_of_two(n)]
@@ -101,6 +102,7 @@ def growth(outcomes: list[Outcome]) -> list[dict[str, object]]:
                     "from": plain[0][0],
                     "to": plain[-1][0],
                     "exponent": slope,
+                    "steepest": steepest.get((case, name)),
                     "bump": max(bumps) if bumps else None,
                 }
             )
@@ -108,7 +110,7 @@ def growth(outcomes: list[Outcome]) -> list[dict[str, object]]:
 
 
 def markdown(outcomes: list[Outcome], machine: dict[str, str], plots: list[Path]) -> str:
-    """The whole page."""
+    """Write the whole page."""
     lines = ["# Benchmarks", "", HOW, "", "## Machine", ""]
     lines += ["| | |", "|---|---|", *(f"| {name} | {value} |" for name, value in machine.items()), ""]
     lines += ["## Goals", "", *_goals(outcomes), ""]
@@ -120,13 +122,15 @@ def markdown(outcomes: list[Outcome], machine: dict[str, str], plots: list[Path]
             "Exponent of cost against N by least squares in logs. The bump is the largest cost at a power of two over",
             "that at the next size, scaled to it by the fit.",
             "",
-            "| case | contestant | N | exponent | bump |",
-            "|---|---|---|---|---|",
+            "| case | contestant | N | exponent | hoped for | bump |",
+            "|---|---|---|---|---|---|",
         ]
         for row in rows:
             bump = "" if row["bump"] is None else f"{row['bump']:.2f}"
+            hoped_for = "" if row["steepest"] is None else f"≤ {row['steepest']}"
             lines.append(
-                f"| {row['case']} | {row['contestant']} | {row['from']} … {row['to']} | {row['exponent']:.2f} | {bump} |"
+                f"| {row['case']} | {row['contestant']} | {row['from']} … {row['to']} "
+                f"| {row['exponent']:.2f} | {hoped_for} | {bump} |"
             )
         lines.append("")
     lines += [f"![Cost against N: {plot.stem.replace('-', ' ')}]({plot.name})" for plot in plots]

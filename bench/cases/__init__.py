@@ -1,1 +1,1 @@
-"""The problems: each module has `trials(short)`, which makes its trials one at a time, answers checked, smallest first."""
+"""The problems: `trials(short)` of each module makes its trials one at a time, smallest first."""

@@ -1,4 +1,4 @@
-"""The paper's own case, which most trials share: psi from -6 to 1, default material, power-law start, loads up to 10^4."""
+"""The paper's case, which most trials share: psi from -6 to 1, default material, power-law start, loads to 10^4."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def start_on(grid: cm.LogGrid) -> cm.Fabric:
 
 
 def problem_on(grid: cm.LogGrid, rule: Literal["paper", "conservative"] = "paper") -> Problem:
-    """The same grid, material and fragments for the contestants."""
+    """Hand the same grid, material and fragments to the contestants."""
     material = cm.Material()
     fragments: Floats = np.array(cm.fragment_pmf(material.fragments, grid.spacing, grid.bins, rule))
     return Problem(grid.psi_min, grid.psi_max, fragments, material.k, material.fabric_width)

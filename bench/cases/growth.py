@@ -28,6 +28,7 @@ def trial(bins: int) -> Trial:
         ],
         checks=[Check("bin by bin", largest_difference(solver.marginal(start, LOAD), by_bins), 1e-14)],
         size=bins,
+        steepest=2.0,
     )
 
 

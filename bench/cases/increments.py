@@ -44,7 +44,7 @@ class _Path:
 
     @property
     def load(self) -> float:
-        """This round's load."""
+        """Load of the round."""
         return float(LOADS[len(LOADS) - TIMED + self._number])
 
 

@@ -71,7 +71,7 @@ def trial(bins: int, *, cold: bool) -> Trial:
         if named
         else [],
         size=bins,
-        note=f"the state has {8e-6 * bins**2:.1f} MB; cold: a buffer of three last-level caches is written before each run",
+        note=f"the state has {8e-6 * bins**2:.1f} MB; cold: three last-level caches are written before each run",
     )
 
 

@@ -54,8 +54,9 @@ def _critical(psi: Floats, size: Floats, cell: int, width: float) -> float:
     last = psi.shape[0] - 1
     right = 0 if cell == last else cell + 1
     left = last if cell == 0 else cell - 1
-    contrast = (psi[cell] - math.log(0.5 * (size[left] + size[right]))) / width
-    return -psi[cell] + 0.5 * contrast * contrast
+    contrast: float = (psi[cell] - math.log(0.5 * (size[left] + size[right]))) / width
+    critical: float = -psi[cell] + 0.5 * contrast * contrast
+    return critical
 
 
 @njit(cache=True)
@@ -97,7 +98,7 @@ def load_to(
             _sift_down(loads, places, count, 0, ties)
         if weakest != now[cell]:
             continue
-        uniform = draws[cell, crushes[cell]] if draws.shape[1] > 0 else 1.0 - np.random.random()
+        uniform = draws[cell, crushes[cell]] if draws.shape[1] > 0 else 1.0 - np.random.random()  # noqa: NPY002
         psi[cell] += math.log(-math.log1p(uniform * scale))
         size[cell] = math.exp(psi[cell])
         crushes[cell] += 1
@@ -114,6 +115,12 @@ def load_to(
     return total
 
 
+@njit(cache=True)
+def seed(number: int) -> None:
+    """Start Numba's generator."""
+    np.random.seed(number)  # noqa: NPY002
+
+
 class NumbaLattice:
     """One ring."""
 
@@ -125,6 +132,4 @@ class NumbaLattice:
 
     def load_to(self, stress_ratio: float) -> int:
         """Weakest cell first, up to a load; returns the number of crushes."""
-        return int(
-            load_to(self.psi, self.size, self.crushes, self._ties, self._draws, stress_ratio, self._width)
-        )
+        return int(load_to(self.psi, self.size, self.crushes, self._ties, self._draws, stress_ratio, self._width))

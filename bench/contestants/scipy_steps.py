@@ -36,10 +36,15 @@ class SciPySteps:
 
     def step(self, p: Floats, stress_ratio: float, kind: Kind) -> Floats:
         """State after one time step: rest + f *_psi (a + f *_psibar c) + f *_psibar b."""
+        return self.step_and_active(p, stress_ratio, kind)[0]
+
+    def step_and_active(self, p: Floats, stress_ratio: float, kind: Kind) -> tuple[Floats, float]:
+        """State after one time step, and the mass that was active before it."""
         rest, grain, neighbour, both = self._problem.parts(p, stress_ratio, kind)
+        active = 1.0 - float(rest.sum())
         if both is not None:
             grain += self._spread(both)
         rest += self._spread(neighbour)
         # Columns as rows: a transposed copy costs less than transforms across the rows.
         rest += self._spread(np.ascontiguousarray(grain.T)).T
-        return rest
+        return rest, active
