@@ -8,6 +8,7 @@ python bench/compare.py lattice batch   these cases only
 import argparse
 import importlib
 import os
+import shutil
 import sys
 import time
 from pathlib import Path
@@ -25,6 +26,9 @@ def parsed(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("cases", nargs="*", metavar="case", help=f"one of {', '.join(CASES)}; all if left out")
     parser.add_argument("--short", action="store_true", help="small sizes, check answers only")
     parser.add_argument("--out", type=Path, default=Path("out/bench"), help="directory for results")
+    parser.add_argument(
+        "--page", type=Path, help="write the page here too, its pictures into images/benchmarks beside it"
+    )
     options = parser.parse_args(arguments)
     for case in options.cases:
         if case not in CASES:
@@ -37,7 +41,7 @@ def main(arguments: list[str]) -> None:
     options = parsed(arguments)
     from harness import run
     from machine import describe
-    from report import markdown, plot, write_json
+    from report import markdown, write_json
 
     machine = describe()
     outcomes = []
@@ -55,9 +59,19 @@ def main(arguments: list[str]) -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     machine["load average"] += f" before, {os.getloadavg()[0]:.2f} after"
     write_json(options.out / "benchmarks.json", outcomes, machine)
-    plots = plot(options.out, outcomes)
-    (options.out / "benchmarks.md").write_text(markdown(outcomes, machine, plots), encoding="utf-8")
+    from plots import plot  # matplotlib is slow to load, and the short form draws nothing
+
+    drawn = plot(options.out, outcomes)
+    page = markdown(outcomes, machine, [picture.name for picture in drawn])
+    (options.out / "benchmarks.md").write_text(page, encoding="utf-8")
     print(f"wrote {options.out}/benchmarks.md")
+    if options.page is not None:
+        images = options.page.parent / "images" / "benchmarks"
+        images.mkdir(parents=True, exist_ok=True)
+        for picture in drawn:
+            shutil.copy(picture, images)
+        links = [f"images/benchmarks/{picture.name}" for picture in drawn]
+        options.page.write_text(markdown(outcomes, machine, links), encoding="utf-8")
 
 
 if __name__ == "__main__":

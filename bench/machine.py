@@ -8,7 +8,7 @@ import platform
 import re
 from pathlib import Path
 
-import comminute as cm
+from contestants.bare_fftw import version
 from contestants.copies import last_level_cache
 
 PACKAGES = ("comminute", "numpy", "scipy", "numba")
@@ -36,5 +36,5 @@ def describe() -> dict[str, str]:
         "python": platform.python_version(),
     }
     described |= {name: importlib.metadata.version(name) for name in PACKAGES}
-    described["FFTW"] = "yes" if cm.has_fftw else "no"
+    described["fftw"] = version()
     return described

@@ -30,6 +30,14 @@ def _library() -> ctypes.CDLL:
     return library
 
 
+def version() -> str:
+    """FFTW's own words."""
+    library = _library()
+    library.bare_version.restype = ctypes.c_char_p
+    found: bytes = library.bare_version()
+    return found.decode()
+
+
 class BareTransforms:
     """Forward and backward transforms of `lines` zero-padded lines of `bins` numbers, eight at a time."""
 

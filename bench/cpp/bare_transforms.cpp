@@ -77,6 +77,10 @@ void bare_free(Batch* batch) {
     delete batch;
 }
 
+const char* bare_version() {
+    return fftw_version;
+}
+
 long bare_length(const Batch* batch) {
     return batch->length;
 }

@@ -124,12 +124,23 @@ void full_convolution(benchmark::State& state) {
           32.0 * static_cast<double>(bins * bins));
 }
 
-// An arm's cell: K sums decay and take in mass (3 flops), K powers of the crossing line (3), and what moves and what
-// stays (8). The band is read once.
-double band_flops(double cells, Index terms) {
-    return cells * (6.0 * static_cast<double>(terms) + 8.0);
+// What a solve computes. By sums, a cell of an arm takes K sums that decay and take in mass (3 flops) and K powers of the
+// crossing line (3), and a cell outside the band K terms (2). Bin by bin, a cell at distance d takes the W - d shells
+// beyond it along either line (2 each), and a cell outside W of them. What moves and what stays: 8.
+double solve_flops(const comminute::CrushZones& zones, Index terms, bool whole_state) {
+    const Index bins = zones.grid().bins();
+    const auto by_sums = static_cast<double>(terms);
+    double flops = 0.0;
+    for (Index m = 1; m < bins; ++m) {
+        const auto width = static_cast<double>(std::min(std::max<Index>(zones.band(m), 0), m));
+        const double outside = static_cast<double>(m) - width;
+        flops += 2.0 * width * (8.0 + (terms > 0 ? 6.0 * by_sums : 2.0 * width));
+        if (whole_state) flops += 2.0 * outside * 2.0 * (terms > 0 ? by_sums : width);
+    }
+    return flops;
 }
 
+// The band is read once.
 void grading_solve(benchmark::State& state) {
     const Index bins = state.range(0);
     const auto grid = grid_of(bins);
@@ -138,12 +149,11 @@ void grading_solve(benchmark::State& state) {
     auto after = solver.marginal(start, load);
     for (auto turn : state) after = solver.marginal(start, load);
     require_whole(state, total(after.grainsize));
-    const double cells = band_cells({grid, comminute::Material{}, load});
-    count(state, band_flops(cells, after.report.terms), 8.0 * cells);
+    const comminute::CrushZones zones(grid, comminute::Material{}, load);
+    count(state, solve_flops(zones, after.report.terms, false), 8.0 * band_cells(zones));
 }
 
-// The band, and K terms, a multiplication and an addition each, for every other cell (an upper bound: terms that have
-// died out are left out). The state is read and written.
+// The state is read and written.
 void state_solve(benchmark::State& state) {
     const Index bins = state.range(0);
     const auto grid = grid_of(bins);
@@ -155,10 +165,8 @@ void state_solve(benchmark::State& state) {
         report = solver.solve({before.data(), bins, bins}, load, std::nullopt, view(after, bins));
     }
     require_whole(state, total(after));
-    const double cells = band_cells({grid, comminute::Material{}, load});
-    const auto all = static_cast<double>(bins * bins);
-    count(state, band_flops(cells, report.terms) + (all - cells) * 2.0 * static_cast<double>(report.terms),
-          16.0 * all);
+    const comminute::CrushZones zones(grid, comminute::Material{}, load);
+    count(state, solve_flops(zones, report.terms, true), 16.0 * static_cast<double>(bins * bins));
 }
 
 // Three critical loads a crush, with a logarithm and 7 flops each, and a draw with 5 more and three of log, log1p and
