@@ -15,6 +15,7 @@ test: $(VENV)/.installed build/release/.built
 
 # Comparison with peers; see bench/README.md. The short form checks answers at small sizes and times nothing.
 bench: $(VENV)/.bench build/bench/.transforms
+	cmake --build --preset bench
 	$(PY) bench/compare.py
 
 bench-short: $(VENV)/.bench build/bench/.transforms

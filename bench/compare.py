@@ -58,11 +58,14 @@ def main(arguments: list[str]) -> None:
         return
     options.out.mkdir(parents=True, exist_ok=True)
     machine["load average"] += f" before, {os.getloadavg()[0]:.2f} after"
-    write_json(options.out / "benchmarks.json", outcomes, machine)
+    from hot_loops import measured, table
     from plots import plot  # matplotlib is slow to load, and the short form draws nothing
 
     drawn = plot(options.out, outcomes)
-    page = markdown(outcomes, machine, [picture.name for picture in drawn])
+    loops = [] if options.cases else measured()
+    write_json(options.out / "benchmarks.json", outcomes, machine, loops)
+    more = table(loops) if loops else []
+    page = markdown(outcomes, machine, [picture.name for picture in drawn], more)
     (options.out / "benchmarks.md").write_text(page, encoding="utf-8")
     print(f"wrote {options.out}/benchmarks.md")
     if options.page is not None:
@@ -71,7 +74,7 @@ def main(arguments: list[str]) -> None:
         for picture in drawn:
             shutil.copy(picture, images)
         links = [f"images/benchmarks/{picture.name}" for picture in drawn]
-        options.page.write_text(markdown(outcomes, machine, links), encoding="utf-8")
+        options.page.write_text(markdown(outcomes, machine, links, more), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections import defaultdict
 from pathlib import Path
+from typing import Any
 
 from harness import OURS, PER_SECOND, SECONDS, Figure, Outcome, Times, exponent
 
@@ -126,8 +127,8 @@ def growth(outcomes: list[Outcome]) -> list[dict[str, object]]:
     return rows
 
 
-def markdown(outcomes: list[Outcome], machine: dict[str, str], plots: list[str]) -> str:
-    """Write the whole page; `plots` as they are to be linked."""
+def markdown(outcomes: list[Outcome], machine: dict[str, str], plots: list[str], more: list[str]) -> str:
+    """Write the whole page; `plots` as they are to be linked, `more` between them and the trials."""
     lines = ["# Benchmarks", "", HOW, ""]
     if not outcomes:
         return "\n".join([*lines, PENDING, ""])
@@ -154,17 +155,18 @@ def markdown(outcomes: list[Outcome], machine: dict[str, str], plots: list[str])
             )
         lines.append("")
     lines += [f"![Cost against N: {Path(plot).stem.replace('-', ' ')}]({plot})" for plot in plots]
-    lines += ["", "## Trials", ""]
+    lines += ["", *more, "## Trials", ""]
     for outcome in outcomes:
         lines += _trial(outcome)
     return "\n".join(lines).rstrip() + "\n"
 
 
-def write_json(path: Path, outcomes: list[Outcome], machine: dict[str, str]) -> None:
+def write_json(path: Path, outcomes: list[Outcome], machine: dict[str, str], loops: list[dict[str, Any]]) -> None:
     """Everything that was measured."""
     content = {
         "machine": machine,
         "growth": growth(outcomes),
+        "hot loops": loops,
         "trials": [outcome.as_json() for outcome in outcomes],
     }
     path.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
