@@ -35,7 +35,7 @@ def table(rows: list[dict[str, Any]]) -> list[str]:
     lines = [
         "## Flops and bytes",
         "",
-        "Flops are the additions and multiplications of the algorithm, bytes what must be read or written at the least,",
+        "Flops are the additions and multiplications of the algorithm, bytes what must be read or written at least,",
         "both derived in `bench/cpp/hot_loops.cpp`. `copy_state` is the rate at which memory, or the cache that holds",
         "the state, gives and takes. Per second of processor time.",
         "",
