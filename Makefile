@@ -4,7 +4,7 @@ VENV ?= .venv
 PY := $(VENV)/bin/python
 SOURCES := $(shell find cpp python cmake -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml README.md LICENSE
 
-.PHONY: run figures docs test lint sanitize check check-long clean system
+.PHONY: run figures docs test bench bench-short bench-cpp lint sanitize check check-long clean system
 
 run: $(VENV)/.installed
 	$(PY) examples/four_gradings.py out
@@ -20,6 +20,28 @@ docs: $(VENV)/.installed
 test: $(VENV)/.installed build/release/.built
 	ctest --preset release
 	$(PY) -m pytest
+
+# Comparison with peers; see bench/README.md. The short form checks answers at small sizes and times nothing.
+bench: $(VENV)/.bench build/bench/.transforms
+	cmake --build --preset bench
+	$(PY) bench/compare.py
+
+bench-short: $(VENV)/.bench build/bench/.transforms
+	$(PY) bench/compare.py --short
+
+# The hot loops alone, with flops and bytes. Needs Debian's libbenchmark-dev.
+bench-cpp: build/bench/.transforms
+	cmake --build --preset bench
+	build/bench/bench/cpp/hot_loops
+
+$(VENV)/.bench: $(VENV)/.installed
+	$(PY) -m pip install --quiet 'comminute[bench]'  # the one just installed, which brings no new build
+	touch $@
+
+build/bench/.transforms: $(VENV)/.made CMakeLists.txt CMakePresets.json $(wildcard bench/cpp/*)
+	cmake --preset bench
+	cmake --build --preset bench --target bare_transforms
+	touch $@
 
 # Debian packages, where they are missing.
 system:
@@ -42,7 +64,7 @@ build/release/.built: $(VENV)/.made $(SOURCES) $(shell find tests/cpp tests/cons
 lint: $(VENV)/.installed
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
-	$(VENV)/bin/mypy --strict python/comminute examples tests/python tests/long docs/gallery docs/validation
+	$(VENV)/bin/mypy --strict python/comminute examples tests/python tests/long docs/gallery docs/validation bench
 	clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
 	cmake --preset release > /dev/null
 	ls cpp/src/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option

@@ -1,0 +1,1 @@
+"""The problems: `trials(short)` of each module makes its trials one at a time, smallest first."""
