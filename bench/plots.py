@@ -8,9 +8,10 @@ import matplotlib as mpl
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import NullLocator
 
 from harness import Outcome
-from report import curves, growth
+from report import curves, growth, power_of_two
 
 
 def plot(directory: Path, outcomes: list[Outcome]) -> list[Path]:
@@ -26,6 +27,9 @@ def plot(directory: Path, outcomes: list[Outcome]) -> list[Path]:
             spread = [[t.median - t.lower for t in times], [t.upper - t.median for t in times]]
             ax.errorbar(sizes, medians, yerr=spread, marker="o", markersize=3.5, linewidth=1.0, label=label)
         ax.set(xscale="log", yscale="log", xlabel="N", ylabel="seconds", title=case)
+        ticks = sorted({n for sizes, _ in by_name.values() for n in sizes if not power_of_two(n)})
+        ax.set_xticks(ticks, [str(n) for n in ticks])
+        ax.xaxis.set_minor_locator(NullLocator())
         ax.grid(visible=True, which="both", alpha=0.2)
         ax.legend(fontsize=8)
         path = directory / (case.replace(",", "").replace(" ", "-") + ".png")

@@ -93,7 +93,8 @@ def curves(outcomes: list[Outcome]) -> dict[str, dict[str, tuple[list[int], list
     return {case: by_name for case, by_name in kept.items() if by_name}
 
 
-def _power_of_two(size: int) -> bool:
+def power_of_two(size: int) -> bool:
+    """Sizes that are left out of fits, since their strides may be unlucky."""
     return size & (size - 1) == 0
 
 
@@ -103,15 +104,15 @@ def growth(outcomes: list[Outcome]) -> list[dict[str, object]]:
     steepest = {(outcome.trial.case, OURS): outcome.trial.steepest for outcome in outcomes}
     for case, by_name in curves(outcomes).items():
         for name, (sizes, times) in by_name.items():
-            plain = [(n, t.median) for n, t in zip(sizes, times, strict=True) if not _power_of_two(n)]
+            plain = [(n, t.median) for n, t in zip(sizes, times, strict=True) if not power_of_two(n)]
             if len(plain) < 3:
                 continue
             slope = exponent([n for n, _ in plain], [t for _, t in plain])
-            nearest = {n: min(plain, key=lambda p, n=n: abs(p[0] - n)) for n in sizes if _power_of_two(n)}  # type: ignore[misc]
+            nearest = {n: min(plain, key=lambda p, n=n: abs(p[0] - n)) for n in sizes if power_of_two(n)}  # type: ignore[misc]
             bumps = [
                 t.median / (nearest[n][1] * (n / nearest[n][0]) ** slope)
                 for n, t in zip(sizes, times, strict=True)
-                if _power_of_two(n)
+                if power_of_two(n)
             ]
             rows.append(
                 {
