@@ -185,7 +185,7 @@ def test_one_solve_is_the_step_of_the_reference_repeated(kind: ref.Kind) -> None
     for _ in range(8):  # four bins: at most six moves
         p = ref.step(p, case.psi, case.model, case.stress_ratio, kind, rate)
     settled = qs.settle(case.p, case.psi, case.model, case.stress_ratio, scheme="paper", loading_rate=rate)
-    np.testing.assert_allclose(settled.p, p, rtol=0.0, atol=1e-16)
+    np.testing.assert_allclose(settled.p, p, rtol=0.0, atol=1e-15)  # rounding of eight steps on unit mass
     assert ((p > 0.0) <= (case.zones == 0)).all()
 
 
