@@ -34,9 +34,10 @@ void ActiveBand::set_load(double stress_ratio) {
         return;
     }
     if (stress_ratio == 0.0) return;
-    const double log_stress_ratio = std::log(stress_ratio);
+    const double onset = zone_onset(material_, std::log(stress_ratio));
+    const double k = material_.k();
     for (Index m = 1; m < grid_.bins(); ++m) {
-        const ShellZone zone(grid_, material_, log_stress_ratio, m);
+        const ShellZone zone(grid_, onset, k, m);
         const auto at = static_cast<std::size_t>(m);
         full_[at] = zone.surely_whole(m);
         last_[at] = zone.surely_last(m);

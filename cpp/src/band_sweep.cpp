@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loops.hpp"
 #include "multiversion.hpp"
 
 namespace comminute {
@@ -64,18 +65,13 @@ COMMINUTE_MULTIVERSION void advance(const Falling& f, const double* enters, doub
 }
 
 double sum_of(const double* values, Index count) {
-    double even[4] = {0.0, 0.0, 0.0, 0.0};  // four sums, so that none waits for the one before
+    double part[4] = {0.0, 0.0, 0.0, 0.0};  // four sums, so that none waits for the one before
     Index k = 0;
     for (; k + 4 <= count; k += 4) {
-        for (Index q = 0; q < 4; ++q) even[q] += values[k + q];
+        for (Index q = 0; q < 4; ++q) part[q] += values[k + q];
     }
-    for (; k < count; ++k) even[0] += values[k];
-    return (even[0] + even[1]) + (even[2] + even[3]);
-}
-
-COMMINUTE_MULTIVERSION void add_scaled(double factor, const double* from, double* to, Index count) {
-    COMMINUTE_INDEPENDENT
-    for (Index k = 0; k < count; ++k) to[k] += factor * from[k];
+    for (; k < count; ++k) part[0] += values[k];
+    return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
 struct Crushing {

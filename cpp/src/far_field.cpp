@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "band_sweep.hpp"
+#include "loops.hpp"
 #include "multiversion.hpp"
 
 // The cells outside the band: nothing crushes there, so the sums of a line, once its own shell has had its turn, give
@@ -44,11 +45,6 @@ COMMINUTE_MULTIVERSION void add_to_rows(const double* lines, Index line_stride, 
             row[1] = sum[r][1];
         }
     }
-}
-
-COMMINUTE_MULTIVERSION void add_scaled(double factor, const double* from, double* to, Index count) {
-    COMMINUTE_INDEPENDENT
-    for (Index k = 0; k < count; ++k) to[k] += factor * from[k];
 }
 
 COMMINUTE_MULTIVERSION void add_product(const double* a, const double* b, double* to, Index count) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "comminute/error.hpp"
 #include "comminute/grading.hpp"
@@ -10,30 +11,8 @@ namespace {
 
 constexpr double rounding = 1e-12;  // a curve is a sum: its plateaus and its 1 are good to this
 
-double first_at_least(const PointMasses& law, double share) {
-    double sum = 0.0;
-    for (std::size_t q = 0; q + 1 < law.size.size(); ++q) {
-        sum += law.share[q];
-        if (sum >= share - rounding) return law.size[q];
-    }
-    return law.size.back();
-}
-
-double first_at_least(const SieveCurve& law, double share) {
-    const auto above =
-        static_cast<std::size_t>(std::find_if(law.finer_than.begin(), law.finer_than.end(),
-                                              [share](double finer) { return finer >= share - rounding; }) -
-                                 law.finer_than.begin());
-    if (above == 0) {
-        const double finest = law.finer_than.front();
-        return finest > 0.0 ? law.size.front() * std::pow(share / finest, 1.0 / law.tail_slope)
-                            : law.size.front();
-    }
-    const double below = law.finer_than[above - 1];
-    const double fraction = std::clamp((share - below) / (law.finer_than[above] - below), 0.0, 1.0);
-    return fraction == 1.0 ? law.size[above]
-                           : law.size[above - 1] * std::pow(law.size[above] / law.size[above - 1], fraction);
-}
+template <class Law>
+concept HasPoints = std::is_same_v<Law, PointMasses> || std::is_same_v<Law, SieveCurve>;
 
 double first_at_least(const PowerLawGrading& law, double share) {
     const double power = 3.0 - law.fractal_dimension;
@@ -60,34 +39,65 @@ double first_at_least(const Law& law, double share) {
     return std::exp(high);
 }
 
-/// Where in bin i the cdf reaches `finer`: linear between its jumps.
-double inside_bin(const LogGrid& grid, Index i, double below, double above, double finer,
-                  const std::vector<PointMass>& points) {
-    double spread = above - below;
-    for (const PointMass& point : points) {
-        if (grid.bin_of(point.psi) == i) spread -= point.mass;
-    }
-    const double slope = std::max(spread, 0.0) / grid.spacing();
-    double psi = grid.edge(i);
-    double reached = below;
-    const auto rise_to = [&](double end) {
-        const double risen = slope * (end - psi);
-        if (reached + risen >= finer && risen > 0.0) return true;
-        reached += risen;
-        psi = end;
-        return false;
-    };
-    for (const PointMass& point : points) {
-        if (grid.bin_of(point.psi) != i) continue;
-        if (rise_to(point.psi)) break;
-        reached += point.mass;
-        if (reached >= finer - rounding) return point.psi;
-    }
-    return slope > 0.0 ? std::min(psi + std::max(finer - reached, 0.0) / slope, grid.edge(i + 1))
-                       : grid.edge(i + 1);
+void require_bins(const LogGrid& grid, VectorView<const double> cdf) {
+    if (cdf.size() == grid.bins()) return;
+    throw ShapeError("cdf has " + std::to_string(cdf.size()) + " entries; the grid has " +
+                     std::to_string(grid.bins()) + " bins");
+}
+
+double tail_slope(const LogGrid& grid, VectorView<const double> cdf) {
+    const double slope = std::log(cdf[1] / cdf[0]) / grid.spacing();
+    return std::isfinite(slope) ? slope : 0.0;
 }
 
 }  // namespace
+
+double CurvePoints::first_at_least(double share) const {
+    const auto above =
+        static_cast<std::size_t>(std::find_if(finer_than.begin(), finer_than.end(),
+                                              [share](double f) { return f >= share - rounding; }) -
+                                 finer_than.begin());
+    if (above == finer_than.size()) return size.back();
+    if (above == 0) {
+        if (!(tail_slope > 0.0) || share >= finer_than[0]) return size[0];
+        return size[0] * std::pow(share / finer_than[0], 1.0 / tail_slope);
+    }
+    const double below = finer_than[above - 1];
+    const double fraction = std::clamp((share - below) / (finer_than[above] - below), 0.0, 1.0);
+    return fraction == 1.0 ? size[above]
+                           : size[above - 1] * std::pow(size[above] / size[above - 1], fraction);
+}
+
+CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
+                          const std::vector<PointMass>& points) {
+    require_bins(grid, cdf);
+    CurvePoints curve;
+    curve.tail_slope = tail_slope(grid, cdf);
+    const auto add = [&curve](double psi, double finer) {
+        if (!curve.finer_than.empty()) finer = std::max(finer, curve.finer_than.back());
+        curve.size.push_back(std::exp(psi));
+        curve.finer_than.push_back(finer);
+    };
+    const double whole = cdf[cdf.size() - 1] - rounding;
+    auto point = points.begin();
+    for (Index i = 0; i < grid.bins(); ++i) {
+        const double before = i > 0 ? cdf[i - 1] : 0.0;
+        double spread = cdf[i] - before;
+        const auto first = point;
+        for (; point != points.end() && grid.bin_of(point->psi) == i; ++point) spread -= point->mass;
+        double exact = 0.0;  // of the finer exact sizes in the bin
+        for (auto jump = first; jump != point; ++jump) {
+            const double below = before + spread * (jump->psi - grid.edge(i)) / grid.spacing() + exact;
+            exact += jump->mass;
+            add(jump->psi, below);
+            add(jump->psi, below + jump->mass);
+            if (curve.finer_than.back() >= whole) return curve;
+        }
+        add(grid.edge(i + 1), cdf[i]);
+        if (cdf[i] >= whole) return curve;
+    }
+    return curve;
+}
 
 double Grading::percentile(double percent, bool extrapolate) const {
     require(percent >= 0.0 && percent <= 100.0, "percent", percent, "between 0 and 100");
@@ -100,7 +110,15 @@ double Grading::percentile(double percent, bool extrapolate) const {
             (unit.empty() ? "" : " " + unit) + ", which " + text(100.0 * curve->finer_than.front()) +
             " % are finer than; add finer sieves, or pass extrapolate = true to follow the tail");
     }
-    return std::visit([share](const auto& l) { return first_at_least(l, share); }, law);
+    return std::visit(
+        [&](const auto& l) {
+            if constexpr (HasPoints<std::decay_t<decltype(l)>>) {
+                return points().first_at_least(share);
+            } else {
+                return first_at_least(l, share);
+            }
+        },
+        law);
 }
 
 CurvePoints Grading::points(Index count) const {
@@ -135,10 +153,7 @@ CurvePoints Grading::points(Index count) const {
 double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate,
                   const std::vector<PointMass>& points) {
     require(percent >= 0.0 && percent <= 100.0, "percent", percent, "between 0 and 100");
-    if (cdf.size() != grid.bins()) {
-        throw ShapeError("cdf has " + std::to_string(cdf.size()) + " entries; the grid has " +
-                         std::to_string(grid.bins()) + " bins");
-    }
+    require_bins(grid, cdf);
     const double finer = percent / 100.0;
     const std::string name = "D" + text(percent);
     const auto* bin = std::find_if(cdf.begin(), cdf.end(), [&](double f) { return f >= finer - rounding; });
@@ -146,17 +161,14 @@ double percentile(const LogGrid& grid, VectorView<const double> cdf, double perc
         throw ParameterError(name + " lies above the largest size: only " +
                              text(100.0 * cdf[cdf.size() - 1]) + " % are finer");
     }
-    const auto i = bin - cdf.begin();
-    if (i == 0) {
-        const double slope = std::log(cdf[1] / cdf[0]) / grid.spacing();
-        if (extrapolate && finer > 0.0 && slope > 0.0 && std::isfinite(slope)) {
-            return std::exp(grid.edge(1) + std::log(finer / cdf[0]) / slope);
-        }
+    if (bin == cdf.begin()) {
+        const CurvePoints curve = curve_on_grid(grid, cdf, points);
+        if (extrapolate && finer > 0.0 && curve.tail_slope > 0.0) return curve.first_at_least(finer);
         throw ParameterError(name + " lies in the fines bin, which holds " + text(100.0 * cdf[0]) +
                              " % below a size of " + text(std::exp(grid.edge(1))) +
                              "; lower psi_min to resolve it, or pass extrapolate = true");
     }
-    return std::exp(inside_bin(grid, i, cdf[i - 1], *bin, finer, points));
+    return curve_on_grid(grid, cdf, points).first_at_least(finer);
 }
 
 }  // namespace comminute

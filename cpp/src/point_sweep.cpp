@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "shell_zone.hpp"
+
 namespace comminute {
 namespace {
 
@@ -125,8 +127,7 @@ void PointSweep::spread(double mass, Index from, std::vector<double>& onto) cons
 // there, W; above it, where the partner is the larger one, to the roots of D^2 = W^2 + k D.
 PointSweep::Parts PointSweep::active(const CrushZones& zones, double at, Index bin) const {
     const double k = material_.k();
-    const double tip =
-        std::log(material_.reference_size) - material_.weibull_modulus / 3.0 * std::log(zones.stress_ratio());
+    const double tip = zone_onset(material_, std::log(zones.stress_ratio()));
     const double from = grid_.edge(bin);
     const double to = grid_.edge(bin + 1);
     Parts share;

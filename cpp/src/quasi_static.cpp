@@ -196,8 +196,9 @@ QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, Scheme s
                          SolvePath path) {
     material.validate();
     require(loading_rate >= 0.0 && loading_rate <= 1.0, "loading_rate", loading_rate, "between 0 and 1");
-    if (path == SolvePath::blend) {
-        throw ParameterError("path is blend; a loading rate above 0 takes it by itself: leave path out");
+    if (path == SolvePath::blend || path == SolvePath::none) {
+        throw ParameterError(std::string("path is ") + (path == SolvePath::blend ? "blend" : "none") +
+                             ", which a solve only reports; ask for automatic, direct or sums");
     }
     work_ = std::make_unique<Work>(grid, material, scheme, loading_rate, path);
 }

@@ -9,11 +9,8 @@
 
 namespace comminute {
 
-ShellZone::ShellZone(const LogGrid& grid, const Material& material, double log_stress_ratio, Index m)
-    : steepness(material.k() / grid.spacing()) {
-    const double strength = 3.0 / material.weibull_modulus;
-    const double excess = log_stress_ratio + strength * (grid.centre(m) - std::log(material.reference_size));
-    tip = -excess / (strength * grid.spacing());
+double zone_onset(const Material& material, double log_stress_ratio) {
+    return std::log(material.reference_size) - material.weibull_modulus / 3.0 * log_stress_ratio;
 }
 
 // The zone covers the length clamp(1/2 - d - t + omega, 0, 1) of the smaller grain's cell, d = 0: twice

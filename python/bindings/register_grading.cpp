@@ -373,6 +373,22 @@ Examples
 (0.0, True)
 )doc");
     m.def(
+        "_curve_on_grid",
+        [](const LogGrid& grid, const py::object& cdf, const std::vector<PointMass>& points) {
+            const auto finer = strict_array(cdf, {grid.bins()}, "cdf");
+            const CurvePoints curve =
+                curve_on_grid(grid, VectorView<const double>(finer.data(), finer.size()), points);
+            return py::make_tuple(copied(curve.size), copied(curve.finer_than), curve.tail_slope);
+        },
+        "Points of a cdf on a grid, for `SizeCurve.on_grid`: sizes, fractions finer, slope of the tail.");
+    m.def(
+        "_first_at_least",
+        [](const std::vector<double>& size, const std::vector<double>& finer, double tail_slope,
+           double share) {
+            return CurvePoints{size, finer, tail_slope}.first_at_least(share);
+        },
+        "inf{d : F(d) >= share} of a curve's points, for `SizeCurve.percentile`.");
+    m.def(
         "percentile",
         [](const LogGrid& grid, const py::object& cdf, double percent, bool extrapolate,
            const std::vector<PointMass>& points) {

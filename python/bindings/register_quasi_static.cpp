@@ -126,7 +126,7 @@ Examples
              py::arg("crushed_neighbour"))
         .def_property_readonly(
             "path", [](const SolveReport& r) { return word_of(r.path); },
-            "\"sums\", \"direct\" or \"blend\"; \"automatic\" where nothing had to move.")
+            "\"sums\", \"direct\" or \"blend\"; \"none\" where nothing had to move.")
         .def_readonly("terms", &SolveReport::terms, "Terms K of the exponential sum; 0 on a path without.")
         .def_readonly("head", &SolveReport::head, "Reductions of up to so many bins were added one by one.")
         .def_readonly("fit_error", &SolveReport::fit_error,

@@ -59,11 +59,12 @@ struct Words<comminute::Scheme> {
 template <>
 struct Words<comminute::SolvePath> {
     static constexpr const char* parameter = "path";
-    static constexpr std::array<std::pair<const char*, comminute::SolvePath>, 4> list{
+    static constexpr std::array<std::pair<const char*, comminute::SolvePath>, 5> list{
         {{"automatic", comminute::SolvePath::automatic},
          {"direct", comminute::SolvePath::direct},
          {"sums", comminute::SolvePath::sums},
-         {"blend", comminute::SolvePath::blend}}};
+         {"blend", comminute::SolvePath::blend},
+         {"none", comminute::SolvePath::none}}};
 };
 
 template <>

@@ -74,9 +74,10 @@ from comminute.indices import FolkWard, Milling, curvature, fines_share, folk_wa
 from comminute.lattice import Lattice, TimeSteppedLattice
 from comminute.lattice_results import Comparison, LatticeResult, compare
 from comminute.recipe import Recipe
+from comminute.remarks import ResolutionWarning
 from comminute.results import Result
 from comminute.sieves import sieve_size, sieve_sizes
-from comminute.simulation import Interrupted, ResolutionWarning, Simulation
+from comminute.simulation import Interrupted, Simulation
 from comminute.small_ring import SmallRing
 from comminute.storage import open_result
 

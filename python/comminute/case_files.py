@@ -16,10 +16,11 @@ from pydantic import ValidationError
 from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, fitting_grid
 from comminute.case_messages import explained
 from comminute.cases import MAKERS, Case, GradingFile, GridTable, LoadRange, Sieves
+from comminute.load_path import load_path
 from comminute.reading import SieveData, read_sieves
 from comminute.recipe import law_of
 from comminute.sieves import unit_of
-from comminute.simulation import Simulation, _load_path
+from comminute.simulation import Simulation
 from comminute.tables import is_file, read_table, shorten
 
 if TYPE_CHECKING:
@@ -173,7 +174,7 @@ def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> Read
     ratios = _in_table(
         name,
         "load",
-        lambda: _load_path(material, load.stress_ratio, load.stress, load.loading_rate, load.remix_after),  # type: ignore[arg-type]
+        lambda: load_path(material, load.stress_ratio, load.stress, load.loading_rate, load.remix_after),  # type: ignore[arg-type]
     ).stress_ratio
     grid = _in_table(name, "grid", lambda: _grid(case, material, grading, float(ratios.max())))
     _in_table(name, "grid", lambda: grading.on_grid(grid))

@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any
 from comminute import continuing, simulation
 from comminute._core import ParameterError, remix
 from comminute.case_files import ReadyCase, case_of_text
+from comminute.load_path import load_path
 from comminute.recipe import Recipe
+from comminute.remarks import ResolutionWarning, resolution_warnings
 from comminute.storage import open_result, save_netcdf
 
 if TYPE_CHECKING:
@@ -120,7 +122,7 @@ def run_case(
             save_netcdf(result, part_of(case.target))
         raise simulation.Interrupted(result) from None
     for warning in done.warnings:
-        warnings.warn(warning, simulation.ResolutionWarning, stacklevel=2)
+        warnings.warn(warning, ResolutionWarning, stacklevel=2)
     return done
 
 
@@ -128,7 +130,7 @@ def _loads(case: ReadyCase, earlier: Result | None) -> Iterator[Result]:
     """Run load by load, each from the fabric after the last one, so that a file in between changes no bit."""
     load, engine = case.resolved.load, case.resolved.engine
     ratio, stress = load.stress_ratio, load.stress
-    path = simulation._load_path(case.material, ratio, stress, load.loading_rate, load.remix_after)  # type: ignore[arg-type]
+    path = load_path(case.material, ratio, stress, load.loading_rate, load.remix_after)  # type: ignore[arg-type]
     sim = case.simulation()
     recipe = Recipe(
         (),
@@ -167,7 +169,7 @@ def _first(part: Result, case: ReadyCase, start: Any, recipe: Recipe, *, remixed
     own = continuing.recipe_of(part)
     recipe = dataclasses.replace(recipe, loading_rate=own.loading_rate, remix_after=(0,) if remixed else ())
     unit = case.grading.unit
-    found = simulation._resolution_warnings(part.grid, part.material, part.stress_ratio, part.pmf, unit)
+    found = resolution_warnings(part.grid, part.material, part.stress_ratio, part.pmf, unit)
     notes = (*case.grading.notes, *part.notes)
     return dataclasses.replace(part, start=start, unit=unit, notes=notes, warnings=tuple(found), recipe=recipe)
 

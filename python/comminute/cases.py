@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 import comminute as cm
-from comminute.simulation import EngineName, Kind, Mean, Scheme
+from comminute.choices import EngineName, Kind, Mean, Scheme
 
 Rest = int | Literal["rest"]
 MATERIAL = cm.Material()

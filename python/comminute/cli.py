@@ -24,8 +24,9 @@ from comminute.case_runs import (
     run_file_again,
     summary,
 )
+from comminute.remarks import ResolutionWarning
 from comminute.results import Result
-from comminute.simulation import Interrupted, ResolutionWarning
+from comminute.simulation import Interrupted
 from comminute.tables import shorten
 
 WRONG_INPUT, EXISTS, FAILED, MISSING_EXTRA, STOPPED = 2, 3, 4, 5, 130

@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 
 from comminute import everyday_plots, plotting
 from comminute._core import Grading, ParameterError
-from comminute.storage import open_result, write_whole
+from comminute.storage import open_result
+from comminute.whole_files import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

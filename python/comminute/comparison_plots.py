@@ -13,7 +13,8 @@ from matplotlib.figure import Figure, SubFigure
 from comminute._core import Fabric, Material
 from comminute.curves import SizeCurve
 from comminute.lattice_results import Comparison, LatticeResult, compare
-from comminute.paper_plots import CONTOURS, DENSITY_COLOURS, RED, figure_size, new_axes, zone_edge
+from comminute.paper_plots import CONTOURS, DENSITY_COLOURS, RED, figure_size, zone_edge
+from comminute.plot_style import new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,7 +11,9 @@ import numpy as np
 
 from comminute import simulation
 from comminute._core import Fabric, Material, ParameterError, remix
+from comminute.load_path import LoadPath, load_path, wanted_fabrics
 from comminute.recipe import Recipe
+from comminute.remarks import ResolutionWarning, explained, resolution_warnings
 from comminute.results import Result
 
 Keep = Literal["all", "last"] | Sequence[int]
@@ -35,9 +37,9 @@ def resume(
     on_load: Callable[[int], object] | None = None,
 ) -> Result:
     """Go on from the last load of a result; see `Result.resume`."""
-    path = simulation._load_path(result.material, stress_ratio, stress, loading_rate, remix_after)
+    path = load_path(result.material, stress_ratio, stress, loading_rate, remix_after)
     recipe = recipe_of(result)
-    wanted = simulation._wanted(keep_fabrics, path.stress_ratio.size)
+    wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size)
     whole, fabric = result, next_start(result)
     for k in range(path.stress_ratio.size):
         try:
@@ -60,16 +62,14 @@ def next_start(result: Result) -> Fabric:
     return remix(fabric) if last in recipe_of(result).remix_after else fabric
 
 
-def one_load(
-    material: Material, scheme: str, fabric: Fabric, path: simulation.LoadPath, k: int, recipe: Recipe
-) -> Result:
+def one_load(material: Material, scheme: str, fabric: Fabric, path: LoadPath, k: int, recipe: Recipe) -> Result:
     """Run load k of a path alone, from a fabric, with the settings of a recipe."""
     settings: dict[str, Any] = {"engine": recipe.engine, "kind": recipe.kind, "steps_per_load": recipe.steps_per_load}
     load: dict[str, Any] = {"stress_ratio": [path.stress_ratio[k]]}
     if path.by_stress and path.stress is not None:
         load = {"stress": [path.stress[k]]}
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", simulation.ResolutionWarning)  # said once, of the whole
+        warnings.simplefilter("ignore", ResolutionWarning)  # said once, of the whole
         return simulation.Simulation(material, fabric, scheme=scheme).run(  # type: ignore[arg-type]
             **load, loading_rate=float(path.loading_rate[k]), **settings
         )
@@ -95,12 +95,10 @@ def joined(first: Result, then: Result, *, keep: bool, remixed: bool) -> Result:
     if then.engine not in first.engine.split(" + "):
         changes["engine"] = f"{first.engine} + {then.engine}"
     ratios, crushes = changes["stress_ratio"], changes["crushes"]
-    surprising = simulation._explained(first.stress_ratio, first.crushes)
+    surprising = explained(first.stress_ratio, first.crushes)
     assumed = [note for note in first.notes if note not in surprising]
-    changes["notes"] = (*assumed, *simulation._explained(ratios, crushes))
-    changes["warnings"] = tuple(
-        simulation._resolution_warnings(first.grid, first.material, ratios, changes["pmf"], first.unit)
-    )
+    changes["notes"] = (*assumed, *explained(ratios, crushes))
+    changes["warnings"] = tuple(resolution_warnings(first.grid, first.material, ratios, changes["pmf"], first.unit))
     return dataclasses.replace(first, **changes)
 
 
@@ -134,7 +132,7 @@ def run_again(result: Result) -> Result:
     loads: dict[str, Any] = {"stress": result.stress} if recipe.by_stress else {"stress_ratio": result.stress_ratio}
     sim = simulation.Simulation(result.material, result.start, scheme=result.scheme)  # type: ignore[arg-type]
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", simulation.ResolutionWarning)
+        warnings.simplefilter("ignore", ResolutionWarning)
         again = sim.run(
             **loads,
             loading_rate=recipe.loading_rate,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Grading, LogGrid, ParameterError, PointMass
+from comminute._core import Grading, LogGrid, ParameterError, PointMass, _curve_on_grid, _first_at_least
 from comminute.sieves import convert, sieve_sizes, unit_of
 
 if TYPE_CHECKING:
@@ -107,11 +107,8 @@ class SizeCurve:
         -------
         SizeCurve
         """
-        size, finer = _with_jumps(grid, np.minimum(cdf, 1.0), points)
-        top = int(np.argmax(finer >= finer[-1] - ROUNDING)) + 1
-        finer = np.append(finer[: top - 1], 1.0)
-        slope = float(np.log(finer[1] / finer[0]) / grid.spacing) if top > 1 and finer[0] > 0.0 else 0.0
-        return cls(size[:top], finer, unit, slope)
+        size, finer, tail_slope = _curve_on_grid(grid, np.ascontiguousarray(cdf), points)
+        return cls(size, np.append(finer[:-1], 1.0), unit, tail_slope)
 
     def __eq__(self, other: object) -> bool:
         """Equal in every point."""
@@ -187,16 +184,8 @@ class SizeCurve:
         if not 0.0 <= percent <= 100.0:
             raise ParameterError(f"percent is {percent:g}; it must be between 0 and 100")
         share = percent / 100.0
-        above = int(np.argmax(self.finer >= share - ROUNDING))
-        if above > 0:
-            below = self.finer[above - 1]
-            part = min((share - below) / (self.finer[above] - below), 1.0)
-            ratio = self.size[above] / self.size[above - 1]
-            return float(self.size[above] if part == 1.0 else self.size[above - 1] * ratio**part)
-        if share >= self.finer[0] - ROUNDING:
-            return float(self.size[0])
-        if extrapolate and share > 0.0 and self.tail_slope > 0.0:
-            return float(self.size[0] * (share / self.finer[0]) ** (1.0 / self.tail_slope))
+        if share >= self.finer[0] - ROUNDING or (extrapolate and share > 0.0 and self.tail_slope > 0.0):
+            return _first_at_least(self.size, self.finer, self.tail_slope, share)
         unit = f" {self.unit}" if self.unit else ""
         raise ParameterError(
             f"D{percent:g} lies below the finest size of the curve, {self.size[0]:.4g}{unit}, which "
@@ -245,25 +234,6 @@ class SizeCurve:
         if number.size < 2 or not number[-1] > 0.0:
             raise ParameterError(f"smallest is {smallest:g}; it must be below the largest size, {size[-1]:g}")
         return SizeCurve(size, number / number[-1], self.unit)
-
-
-def _with_jumps(grid: LogGrid, cdf: Floats, points: Sequence[PointMass]) -> tuple[Floats, Floats]:
-    """Upper edges and fractions finer, and every exact size twice: without its own mass and with it."""
-    if not points:
-        return grid.edge_sizes[1:], cdf
-    exact = np.array([point.psi for point in points])
-    mass = np.array([point.mass for point in points])
-    owner = np.array([grid.bin_of(psi) for psi in exact], dtype=np.intp)
-    spread = np.diff(cdf, prepend=0.0)
-    np.subtract.at(spread, owner, mass)
-    # below an exact size: the bins under its own, the part of its own that is finer, and the finer exact sizes
-    missing = (1.0 - (exact - grid.edges[owner]) / grid.spacing) * spread[owner]
-    with_it = np.cumsum(spread)[owner] - missing + np.cumsum(mass)
-    psi = np.concatenate([grid.edges[1:], exact, exact])
-    finer = np.concatenate([cdf, with_it - mass, with_it])
-    order = np.lexsort((finer, psi))
-    size = np.concatenate([grid.edge_sizes[1:], np.exp(exact), np.exp(exact)])
-    return size[order], np.maximum.accumulate(finer[order])
 
 
 def mean_power(size: Floats, power: float) -> Floats:

@@ -7,14 +7,15 @@ from typing import TYPE_CHECKING, Any, Literal
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter
 
 from comminute._core import Grading, ParameterError
 from comminute.breakage import EINAV_DIMENSION
 from comminute.curves import SizeCurve
 from comminute.indices import phi as phi_of
-from comminute.plotting import LOAD_COLOURS, _new_axes, _size_label
-from comminute.results import Result, needs
+from comminute.plot_style import LOAD_COLOURS, new_axes, size_label
+from comminute.results import Floats, Result, needs
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -68,16 +69,19 @@ def plot_curves(
     units = {curve.unit for curve, _ in curves.values()}
     if len(units) > 1:
         raise ParameterError(f"the gradings are in {', '.join(sorted(units))}; bring them to one unit")
-    ax = _new_axes() if ax is None else ax
+    ax = new_axes() if ax is None else ax
     unit = units.pop()
     for name, (curve, own_style) in curves.items():
-        (entry,) = ax.plot([], [], label=name, **own_style)  # measured points and tail share its colour
-        style = {"color": entry.get_color()} | own_style
-        for size, finer, how in ((curve.size, curve.finer, style), (*_tail(curve), style | {"marker": "", "ls": ":"})):
+
+        def draw(size: Floats, finer: Floats, **style: Any) -> Line2D:
             x = phi_of(size, unit) if phi else size
             y = 100.0 * finer if axes != "rosin-rammler" else _weibull_scale(finer)
             inside = np.isfinite(y) & (finer > 0.0 if axes == "loglog" else True)
-            ax.plot(x[inside], y[inside], **how)
+            (line,) = ax.plot(x[inside], y[inside], **style)
+            return line
+
+        line = draw(curve.size, curve.finer, label=name, **own_style)
+        draw(*_tail(curve), **own_style | {"color": line.get_color(), "marker": "", "ls": ":"})
     low, high = _size_range([curve for curve, _ in curves.values()])
     _size_axis(ax, low, high, unit, phi=phi, coarse_left=coarse_left)
     _share_axis(ax, axes)
@@ -142,7 +146,7 @@ def _size_axis(ax: Axes, low: float, high: float, unit: str, *, phi: bool, coars
         ends = phi_of(np.array([high, low]), unit)
         ax.set(xlim=tuple(ends), xlabel=r"grainsize ($\varphi$ = $-$log$_2$ d / mm)")
         return
-    ax.set(xscale="log", xlim=(high, low) if coarse_left else (low, high), xlabel=_size_label("grainsize", unit))
+    ax.set(xscale="log", xlim=(high, low) if coarse_left else (low, high), xlabel=size_label("grainsize", unit))
     if high / low < 1e3:
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -194,7 +198,7 @@ def plot_index(
     ParameterError
         For an index it does not know, or one that a curve does not have.
     """
-    ax = _new_axes() if ax is None else ax
+    ax = new_axes() if ax is None else ax
     label, values = _index_values(result, index)
     known = result.stress is not None
     loads = result.stress if result.stress is not None else result.stress_ratio

@@ -20,8 +20,10 @@ from comminute._core import (
     log_uniform,
     monodisperse,
 )
+from comminute.choices import Mean
 from comminute.lattice_results import LatticeResult, mean_and_error
-from comminute.simulation import Interrupted, LoadPath, Mean, _load_path, _wanted
+from comminute.load_path import LoadPath, load_path, wanted_fabrics
+from comminute.simulation import Interrupted
 
 Floats = npt.NDArray[np.float64]
 
@@ -224,8 +226,8 @@ class Rings:
         Interrupted
             On Ctrl-C; its `result` has the finished loads, and the lattice can go on.
         """
-        path = _load_path(self.material, stress_ratio, stress, 0.0, remix_after)
-        wanted = _wanted(keep_fabrics, path.stress_ratio.size)
+        path = load_path(self.material, stress_ratio, stress, 0.0, remix_after)
+        wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size)
         grid = grid or self._fitting_grid(float(path.stress_ratio.max()))
         start = self.fabric(grid)
         records = _Records()

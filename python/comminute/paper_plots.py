@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import ListedColormap, LogNorm
-from matplotlib.figure import Figure
 
 from comminute._core import LogGrid, Material, Zone, cell_kernel, crush_zones, logspace_load
+from comminute.plot_style import new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,22 +59,6 @@ def figure_size(width: float, height: float) -> tuple[float, float]:
     (10.0, 5.0)
     """
     return width / 25.4, height / 25.4
-
-
-def new_axes() -> Axes:
-    """One `Axes` on a figure of its own, which no window shows.
-
-    Returns
-    -------
-    matplotlib Axes
-
-    Examples
-    --------
-    >>> from comminute.paper_plots import new_axes
-    >>> new_axes().figure.axes == []
-    False
-    """
-    return Figure(figsize=(3.4, 3.2), layout="constrained").add_subplot()
 
 
 def zone_edge(material: Material, stress_ratio: float, psi_max: float, *, points: int = 2001) -> tuple[Floats, Floats]:

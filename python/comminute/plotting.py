@@ -7,13 +7,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from comminute._core import CrushZones, Fabric, Material
+from comminute._core import Fabric, Material
 from comminute.comparison_plots import (
     plot_cdf_families,
     plot_comparison,
@@ -21,13 +20,16 @@ from comminute.comparison_plots import (
     plot_evolution,
     plot_state,
 )
+from comminute.everyday_plots import plot_curves, plot_index
 from comminute.paper_plots import (
     PRINT_STYLE,
     figure_size,
     plot_fragment_kernel,
     plot_stress_contours,
     plot_zones,
+    zone_edge,
 )
+from comminute.plot_style import new_axes, size_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,31 +41,23 @@ __all__ = [
     "figure_size",
     "plot_cdf_families",
     "plot_comparison",
+    "plot_curves",
     "plot_distances",
     "plot_evolution",
     "plot_fabric",
     "plot_fragment_kernel",
-    "plot_gradings",
+    "plot_index",
     "plot_result",
     "plot_state",
     "plot_stress_contours",
     "plot_zones",
 ]
 
-LOAD_COLOURS = mpl.colormaps["viridis"]
 ZONE_COLOUR = "#d62728"
 MARGINAL_COLOUR = "#33638d"
 POINT_COLOUR = "#222222"
 RIDGE_COLOUR = "#e69f00"
 POINT_MASS = 0.01
-
-
-def _size_label(name: str, unit: str) -> str:
-    return f"{name} ({unit})" if unit else f"{name} / reference"
-
-
-def _new_axes() -> Axes:
-    return Figure(figsize=(4.2, 3.6), layout="constrained").add_subplot()
 
 
 def _visible_range(pmf: Floats, edges: Floats, tail: float) -> tuple[float, float]:
@@ -74,39 +68,6 @@ def _visible_range(pmf: Floats, edges: Floats, tail: float) -> tuple[float, floa
     low, high = edges[first], edges[min(last + 1, edges.size - 1)]
     air = 0.04 * (high - low)
     return float(low - air), float(high + air)
-
-
-def plot_gradings(result: Result, ax: Axes | None = None) -> Axes:
-    """Per cent finer against log size, one curve per load and the start dashed.
-
-    Parameters
-    ----------
-    result : Result
-    ax : matplotlib Axes, optional
-
-    Returns
-    -------
-    matplotlib Axes
-    """
-    ax = _new_axes() if ax is None else ax
-    start = result.start_curve
-    ax.plot(start.size, 100 * start.finer, "k--", lw=1.2, label="start", zorder=3)
-    count = result.stress_ratio.size
-    for k, load in enumerate(result.stress_ratio):
-        colour = LOAD_COLOURS(0.92 * (1 - k / max(count - 1, 1)))
-        curve = result.curve(k)
-        ax.plot(curve.size, 100 * curve.finer, color=colour, lw=1.4, label=f"{load:g}")
-    low, high = _visible_range(result.pmf[-1], result.grid.edges, 1e-3)
-    ax.set(
-        xscale="log",
-        xlim=(np.exp(low), np.exp(high)),
-        ylim=(0, 102),
-        xlabel=_size_label("grainsize", result.unit),
-        ylabel="per cent finer by mass",
-    )
-    ax.grid(alpha=0.3, lw=0.5)
-    ax.legend(title="stress ratio", fontsize="small", title_fontsize="small", loc="upper left")
-    return ax
 
 
 def plot_fabric(
@@ -137,7 +98,7 @@ def plot_fabric(
     -------
     matplotlib Axes
     """
-    ax = _new_axes() if ax is None else ax
+    ax = new_axes() if ax is None else ax
     grid = fabric.grid
     density = fabric.probability / grid.spacing**2
     low, high = _visible_range(fabric.grainsize(), grid.edges, 1e-3)
@@ -154,15 +115,15 @@ def plot_fabric(
     _draw_ridges(ax, fabric)
     _mark_point_masses(ax, fabric)
     load = fabric.settled_at if stress_ratio is None else stress_ratio
-    if material is not None and load is not None:
+    if material is not None and load:  # without a load nothing crushes
         _draw_zone(ax, fabric, material, load)
     if ax.get_legend_handles_labels()[0]:
         ax.legend(fontsize="small", loc="lower right", framealpha=0.85)
     ax.set(
         xlim=(low, high),
         ylim=(low, high),
-        xlabel=r"$\psi$ = ln " + _size_label("grainsize", unit),
-        ylabel=r"$\bar\psi$ = ln " + _size_label("neighbourhood grainsize", unit),
+        xlabel=r"$\psi$ = ln " + size_label("grainsize", unit),
+        ylabel=r"$\bar\psi$ = ln " + size_label("neighbourhood grainsize", unit),
     )
     ax.set_box_aspect(1)
     _draw_marginals(ax, fabric)
@@ -203,11 +164,9 @@ def _draw_ridges(ax: Axes, fabric: Fabric) -> None:
 
 def _draw_zone(ax: Axes, fabric: Fabric, material: Material, stress_ratio: float) -> None:
     """Outline of the active band: where the larger grain crushes, on either side of the diagonal."""
-    grid = fabric.grid
-    psi = np.linspace(grid.psi_min - 2.0, grid.psi_max + 0.5, 4001)
-    width = np.asarray(CrushZones(grid, material, stress_ratio).half_width(psi))
-    inside = (width >= 0.0) & np.isfinite(width)
-    larger, smaller = psi[inside], (psi - width)[inside]
+    psi, psibar = zone_edge(material, stress_ratio, fabric.grid.psi_max + 0.5)
+    upper = psi >= psibar
+    larger, smaller = psi[upper], psibar[upper]
     ax.plot(larger, smaller, color=ZONE_COLOUR, lw=1.0, label=f"crush zone at {stress_ratio:g}")
     ax.plot(smaller, larger, color=ZONE_COLOUR, lw=1.0)
 
@@ -249,7 +208,7 @@ def plot_result(result: Result, load: int = -1) -> Figure:
     """
     figure = Figure(figsize=(10.0, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
-    plot_gradings(result, left)
+    plot_curves(result, left)
     fabric = result.fabric(load)
     at_rest_under = fabric.settled_at
     stress_ratio = float(result.stress_ratio[load]) if at_rest_under is None else at_rest_under

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,6 +24,7 @@ from comminute._core import (
 )
 from comminute.curves import SizeCurve
 from comminute.recipe import Recipe
+from comminute.whole_files import write_whole
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
@@ -65,7 +65,7 @@ class Result:
     engine : str
         What ran.
     scheme : str
-        How fragments fell into bins.
+        How the continuum became bins; see `QuasiStatic`.
     notes : tuple of str
         What was assumed or may surprise, in plain words.
     warnings : tuple of str
@@ -279,15 +279,12 @@ class Result:
         texts = {"engine": self.engine, "scheme": self.scheme, "unit": self.unit}
         texts |= {"material": repr(self.material), "version": __version__}
         arrays |= {name: np.array(text) for name, text in texts.items()}
-        handle, temporary = tempfile.mkstemp(suffix=".npz", prefix=f".{target.stem}-", dir=target.parent)
-        try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez_compressed(file, **arrays)
-            Path(temporary).replace(target)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
-        return target
+
+        def write(file: Path) -> None:
+            with file.open("wb") as stream:  # given a name, NumPy would add its own ending
+                np.savez_compressed(stream, **arrays)
+
+        return write_whole(target, write)
 
     def resume(
         self,

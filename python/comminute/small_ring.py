@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, critical_stress_ratio, fragment_pmf
-from comminute.simulation import Mean, Scheme
+from comminute.choices import Mean, Scheme
 
 Floats = npt.NDArray[np.float64]
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,9 +15,7 @@ from comminute.fabric_storage import START, columns, fabric_variables, fabrics_o
 from comminute.recipe import Recipe, grid_record, material_of, material_record, report_of, report_record
 from comminute.results import Result, needs
 from comminute.tables import is_file, shorten
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from comminute.whole_files import write_whole
 
 LAYOUT = "comminute result 1"
 SEAL = b"comminute sha256 "
@@ -125,25 +122,6 @@ def save_netcdf(result: Result, path: Path) -> Path:
         _seal(file)
 
     return write_whole(path, write)
-
-
-def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
-    """Let `write` fill a file beside `path`, then rename it: the file is whole, or as it was before."""
-    handle, name = tempfile.mkstemp(suffix=".tmp", prefix=f".{path.name}.", dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
-    try:
-        write(temporary)
-        with temporary.open("rb+") as file:
-            os.fsync(file.fileno())
-        umask = os.umask(0)
-        os.umask(umask)
-        temporary.chmod(0o666 & ~umask)
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
-    return path
 
 
 def open_result(path: str | os.PathLike[str]) -> Result:

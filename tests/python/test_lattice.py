@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import comminute as cm
-from comminute.simulation import Mean, Scheme
+from comminute.choices import Mean, Scheme
 from reference import Array
 from reference_lattice import MASK, PlainRing, philox
 

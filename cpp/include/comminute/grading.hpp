@@ -87,7 +87,18 @@ struct CurvePoints {
     std::vector<double> size;
     std::vector<double> finer_than;  ///< fractions, the last 1
     double tail_slope = 0.0;         ///< below the finest: F = F_1 (d / d_1)^tail_slope, where F_1 > 0
+
+    /// inf{d : F(d) >= share}, linear in ln d between points; below the finest along the tail, where there is one.
+    double first_at_least(double share) const;
 };
+
+/// Curve of a cdf at the upper edges of a grid's bins, up to the first point that holds all. The share in the fines bin
+/// continues as a power law through the two finest edges.
+/// @param cdf     (N) fraction finer than the upper edge of each bin, points among them
+/// @param points  exact sizes, fine to coarse: the curve jumps there, inside their bins
+/// @throws ShapeError
+CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
+                          const std::vector<PointMass>& points = {});
 
 /// How the numbers of a sieve table are meant.
 struct SieveOptions {

@@ -21,12 +21,13 @@ enum class SolvePath {
     automatic,  ///< whichever of the next two costs less for this law and this zone
     direct,     ///< bin by bin along the zone's width
     sums,       ///< running sums of the law's exponential sum, for its tail beyond `head` bins
-    blend,      ///< what a loading rate above 0 takes: bin by bin over the whole state (not to be asked for)
+    blend,      ///< only reported: what a loading rate above 0 takes, bin by bin over the whole state
+    none,       ///< only reported: nothing had to move
 };
 
 /// What one solve did, and how. Masses are shares of the whole.
 struct SolveReport {
-    SolvePath path = SolvePath::automatic;
+    SolvePath path = SolvePath::none;
     Index terms = 0;         ///< K, of the exponential sum; 0 on a path that takes none
     Index head = 0;          ///< reductions of up to so many bins were added one by one
     double fit_error = 0.0;  ///< largest error of the sum, as a share of the largest fragment bin
