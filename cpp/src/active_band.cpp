@@ -42,7 +42,9 @@ void ActiveBand::set_load(double stress_ratio) {
         full_[at] = zone.surely_whole(m);
         last_[at] = zone.surely_last(m);
         first_partial_[at] = static_cast<Index>(partial_.size());
-        for (Index d = full_[at]; d <= last_[at]; ++d) partial_.push_back(zone.share(d));
+        const auto partial = static_cast<std::size_t>(std::max(last_[at] + 1 - full_[at], Index{0}));
+        partial_.resize(partial_.size() + partial);
+        zone.shares(full_[at], last_[at], partial_.data() + first_partial_[at]);
         while (last_[at] >= full_[at] && partial_.back() == 0.0) {
             partial_.pop_back();
             --last_[at];

@@ -2,10 +2,7 @@
 #include "shell_zone.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-
-#include "gauss.hpp"
 
 namespace comminute {
 
@@ -13,68 +10,92 @@ double zone_onset(const Material& material, double log_stress_ratio) {
     return std::log(material.reference_size) - material.weibull_modulus / 3.0 * log_stress_ratio;
 }
 
-// The zone covers the length clamp(1/2 - d - t + omega, 0, 1) of the smaller grain's cell, d = 0: twice
-// min(omega, t + 1/2). With omega = root * s, s = sqrt(t - tip), that is a cubic in s between its kinks once t is
-// replaced, so a 3-point Gauss rule a piece is exact.
-double ShellZone::share(Index distance) const {
-    const double begin = std::max(-0.5, tip);
-    if (!(begin < 0.5)) return 0.0;
-    if (std::isinf(steepness) || std::isinf(tip)) {
-        return distance == 0 ? 1.0 - (begin + 0.5) * (begin + 0.5) : 0.5 - begin;
-    }
-    const auto d = static_cast<double>(distance);
-    std::array<double, 6> kink{begin, 0.5, 0.5, 0.5, 0.5, 0.5};
-    std::size_t found = 1;
-    for (const double covered : {0.0, 1.0}) {
-        const double c = d + tip + covered - 0.5;
-        const double discriminant = 1.0 - 4.0 * c / steepness;
-        if (discriminant < 0.0) continue;
-        const double larger = 0.5 * steepness * (1.0 + std::sqrt(discriminant));
-        for (const double width : {larger, c * steepness / larger}) {
-            const double at = tip + std::max(width, 0.0) * std::max(width, 0.0) / steepness;
-            if (at <= begin || at >= 0.5) continue;
-            std::size_t place = found++;
-            for (; kink[place - 1] > at; --place) kink[place] = kink[place - 1];
-            kink[place] = at;
-        }
-    }
+ShellZone::ShellZone(const LogGrid& grid, double onset, double k, Index m)
+    : tip_((onset - grid.centre(m)) / grid.spacing()),
+      steepness_(k / grid.spacing()),
+      root_(std::sqrt(steepness_)),
+      begin_(std::max(-0.5, tip_)) {
+    if (!(begin_ < 0.5) || std::isinf(tip_)) return;
+    s_begin_ = std::sqrt(begin_ - tip_);
+    s_length_ = (0.5 - begin_) / (std::sqrt(0.5 - tip_) + s_begin_);
+}
 
-    const double root = std::sqrt(steepness);
-    const auto covered_length = [&](double t, double s) {
-        if (distance == 0) return 2.0 * std::min(root * s, t + 0.5);
-        return std::clamp(0.5 - d - t + root * s, 0.0, 1.0);
-    };
+// Where omega(t) - t >= distance - 1/2: between the roots of a quadratic in s. An error of a root does not matter, since
+// the length covered begins to grow there.
+ShellZone::Piece ShellZone::wider_than(double distance) const {
+    const double c = distance - 0.5 + tip_;  // s^2 - root s + c <= 0
+    const double discriminant = 0.25 * steepness_ - c;
+    if (!(discriminant >= 0.0)) return {};
+    const double larger = 0.5 * root_ + std::sqrt(discriminant);
+    const double smaller = c / larger;
+    return {std::max(smaller - s_begin_, 0.0), std::min(larger - s_begin_, s_length_)};
+}
+
+// Integral over t of a length that is quadratic in s: with dt = 2 s ds a cubic, exact by two Gauss nodes.
+template <class Length>
+double ShellZone::integral(const Piece& piece, const Length& length) const {
+    if (piece.empty()) return 0.0;
+    constexpr double node = 0.57735026918962576451;  // 1 / sqrt(3)
+    const double half = 0.5 * (piece.to - piece.from);
+    const double centre = piece.from + half;
     double sum = 0.0;
-    double s = std::sqrt(begin - tip);
-    for (std::size_t p = 0; p < found; ++p) {
-        const double s_end = std::sqrt(kink[p + 1] - tip);
-        if (s_end > s) {
-            const double width = (kink[p + 1] - kink[p]) / (s_end + s);  // s_end - s without cancellation
-            for (const auto& [node, weight] : gauss_3_unit) {
-                const double step = node * width;
-                const double t = kink[p] + step * (2.0 * s + step);
-                sum += weight * width * 2.0 * (s + step) * covered_length(t, s + step);
-            }
-        }
-        s = s_end;
+    for (const double step : {centre - node * half, centre + node * half}) {
+        const double s = s_begin_ + step;
+        sum += 2.0 * s * length(s, begin_ + from_begin(step));
     }
-    return std::clamp(sum, 0.0, 1.0);
+    return half * sum;
+}
+
+// The zone covers the length clamp(1/2 - d - t + omega, 0, 1) of the smaller grain's cell; `some` is where that is
+// above 0, `all` where it is 1. At d = 0 it covers twice min(omega, t + 1/2); `all` is then where that is the latter.
+double ShellZone::share_between(double distance, const Piece& some, const Piece& all) const {
+    const bool diagonal = distance == 0.0;
+    const auto partly = [&](double s, double t) {
+        return diagonal ? 2.0 * root_ * s : 0.5 - distance - t + root_ * s;
+    };
+    const Piece outer = diagonal ? Piece{0.0, s_length_} : some;
+    if (all.empty()) return std::clamp(integral(outer, partly), 0.0, 1.0);
+    const double wholly = diagonal ? integral(all, [](double, double t) { return 2.0 * t + 1.0; })
+                                   : from_begin(all.to) - from_begin(all.from);
+    const double sides = integral({outer.from, all.from}, partly) + integral({all.to, outer.to}, partly);
+    return std::clamp(wholly + sides, 0.0, 1.0);
+}
+
+void ShellZone::shares(Index first, Index last, double* share) const {
+    if (!(begin_ < 0.5) || std::isinf(steepness_) || std::isinf(tip_)) {
+        const double above = begin_ < 0.5 ? 0.5 - begin_ : 0.0;
+        for (Index d = first; d <= last; ++d) *share++ = d == 0 ? above * (2.0 - above) : above;
+        return;
+    }
+    Piece some = wider_than(static_cast<double>(first));
+    for (Index d = first; d <= last; ++d) {
+        const auto distance = static_cast<double>(d);
+        const Piece all = wider_than(distance + 1.0);
+        *share++ = share_between(distance, some, all);
+        some = all;
+    }
+}
+
+double ShellZone::share(Index distance) const {
+    double found = 0.0;
+    shares(distance, distance, &found);
+    return found;
 }
 
 // A cell at d >= 1 lies inside where d <= omega(t) - t - 1/2 for all t, one at d = 0 where 0 <= omega(t) - t - 1/2.
 // omega(t) - t is concave, so its least value is at an end.
 Index ShellZone::surely_whole(Index at_most) const {
-    if (!(tip <= -0.5)) return 0;
-    const double inner =
-        std::min(std::sqrt(steepness * (-0.5 - tip)), std::sqrt(steepness * (0.5 - tip)) - 1.0);
+    if (!(tip_ <= -0.5)) return 0;
+    const double inner = std::isinf(tip_) ? steepness_ * -tip_
+                                          : std::min(root_ * s_begin_, root_ * (s_begin_ + s_length_) - 1.0);
     if (!(inner >= 0.0)) return 0;
     return static_cast<Index>(std::min(std::floor(inner), static_cast<double>(at_most))) + 1;
 }
 
 // It lies outside where d >= 1/2 - t + omega(t) for all t; that is less than 1 + omega(1/2).
 Index ShellZone::surely_last(Index at_most) const {
-    if (!(tip < 0.5)) return -1;
-    const double widest = std::sqrt(steepness * (0.5 - tip));
+    if (!(tip_ < 0.5)) return -1;
+    const double widest = std::isinf(tip_) ? steepness_ * -tip_ : root_ * (s_begin_ + s_length_);
     return static_cast<Index>(std::min(std::ceil(1.0 + widest), static_cast<double>(at_most)));
 }
 

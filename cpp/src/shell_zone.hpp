@@ -10,22 +10,41 @@ namespace comminute {
 double zone_onset(const Material& material, double log_stress_ratio);
 
 /// The slow crush zone across the cells of one shell, in lengths of bins. With the larger grain at t from its bin's
-/// centre, t in [-1/2, 1/2], the zone's half-width is sqrt(steepness (t - tip)), tip the place of its onset.
-struct ShellZone {
-    double tip;
-    double steepness;  ///< k / h; inf where the fabric is off
-
+/// centre, t in [-1/2, 1/2], the zone's half-width is omega(t) = sqrt(steepness (t - tip)), tip the place of its onset.
+class ShellZone {
+  public:
     /// @param onset  log size at which the zone begins, see zone_onset
     /// @param k      of Eq. 15
-    ShellZone(const LogGrid& grid, double onset, double k, Index m)
-        : tip((onset - grid.centre(m)) / grid.spacing()), steepness(k / grid.spacing()) {}
+    ShellZone(const LogGrid& grid, double onset, double k, Index m);
 
     /// Share of the area of the cell at |i - j| = distance that lies inside, with no error but rounding.
     double share(Index distance) const;
-    /// Number of distances from 0 on at which certainly the whole cell lies inside.
+    /// The same for a run of distances.
+    void shares(Index first, Index last, double* share) const;
+    /// Number of distances, from 0 on, whose cells surely lie inside as a whole; at most at_most + 1.
     Index surely_whole(Index at_most) const;
-    /// A distance beyond which all lies outside; -1 where all does.
+    /// Distance, at most at_most, beyond which cells surely lie outside; -1 where all of them do.
     Index surely_last(Index at_most) const;
+
+  private:
+    /// Values of s - s_begin, s = sqrt(t - tip).
+    struct Piece {
+        double from = 0.0;
+        double to = 0.0;
+        bool empty() const { return !(to > from); }
+    };
+    double from_begin(double step) const { return step * (2.0 * s_begin_ + step); }  // t - begin
+    Piece wider_than(double distance) const;
+    template <class Length>
+    double integral(const Piece& piece, const Length& length) const;
+    double share_between(double distance, const Piece& some, const Piece& all) const;
+
+    double tip_;
+    double steepness_;  // k / h; inf where the fabric is off
+    double root_;       // of the steepness
+    double begin_;      // of the zone within the shell
+    double s_begin_ = 0.0;
+    double s_length_ = 0.0;
 };
 
 }  // namespace comminute
