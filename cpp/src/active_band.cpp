@@ -34,10 +34,9 @@ void ActiveBand::set_load(double stress_ratio) {
         return;
     }
     if (stress_ratio == 0.0) return;
-    const double onset = zone_onset(material_, std::log(stress_ratio));
-    const double k = material_.k();
+    const ShellZones zones(grid_, material_, std::log(stress_ratio));
     for (Index m = 1; m < grid_.bins(); ++m) {
-        const ShellZone zone(grid_, onset, k, m);
+        const ShellZone zone = zones[m];
         const auto at = static_cast<std::size_t>(m);
         full_[at] = zone.surely_whole(m);
         last_[at] = zone.surely_last(m);

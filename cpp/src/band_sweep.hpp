@@ -5,6 +5,7 @@
 
 #include "active_band.hpp"
 #include "crush_table.hpp"
+#include "lanes.hpp"
 
 namespace comminute {
 
@@ -46,23 +47,28 @@ class BandSweep {
   private:
     /// What falls along the lines of one direction.
     struct Lines {
-        std::vector<double> sums;    // (K, stride) of each line, as of the current shell
-        std::vector<double> own;     // (K) those of the line whose shell has its turn
-        std::vector<double> pushed;  // (shells kept, width) mass pushed onto a line from a shell
-        std::vector<double> fines;   // (N) what falls below the grid
-        std::vector<double> near;    // (N, K) the sums of each line at its own shell
-        std::vector<double> far;     // (N, K) the same with the head, for places beyond it
+        LaneVector sums;  // (packs, K, lanes) of each line, as of the first shell of the current block
+        std::vector<double> own;  // (K) those of the line whose shell has its turn, as of this shell
+        std::vector<double>
+            crossing;       // (K) the same with what its diagonal cell has pushed, where there is no head
+        LaneVector pushed;  // (shells kept, width) mass pushed onto a line from a shell
+        LaneVector fines;   // (N) what falls below the grid
+        std::vector<double> near;  // (N, K) the sums of each line at its own shell
+        std::vector<double> far;   // (N, K) the same with the head, for places beyond it
     };
 
     void prepare(const CrushTable& table, const ActiveBand& after, bool whole_state);
     double arrive_on_diagonal(const CrushTable& table, Lines& lines, Index m) const;
+    void set_crossing(const CrushTable& table, Lines& lines, double pushed_here) const;
     void arrive_on_arm(const CrushTable& table, Lines& lines, const Lines& other, Index m);
+    const double* entering_the_sums(const CrushTable& table, const Lines& lines, Index m);
     double landed_in_fines(const CrushTable& table, const Lines& lines, const Lines& other, Index m) const;
     double crush_diagonal(const CrushTable& table, Index m, double there, double* rest);
     double crush_arm(const CrushTable& table, Lines& lines, Index m, const double* there, double* rest);
     void set_shares(const ActiveBand& before, const ActiveBand& after, Index m);
     void hand_on(const CrushTable& table, Lines& lines, Index m) const;
-    void flush(const CrushTable& table, Lines& lines, Index m) const;
+    void begin_block(const CrushTable& table, Index m);
+    const double* row_of(MatrixView<const double> state, Index m);
     void take_columns(MatrixView<const double> state, Index begin, Index end);
     void give_columns(MatrixView<double> out, Index begin, Index end) const;
     void near_left(const CrushTable& table, Index i, double* row) const;
@@ -78,16 +84,21 @@ class BandSweep {
     Index first(Index m) const { return first_[static_cast<std::size_t>(m)]; }
     /// Mass pushed from a shell onto a line, and on to the next line.
     double* pushed(Lines& lines, Index shell, Index line) const {
-        return lines.pushed.data() + (shell % shells_kept_) * width_ + width_ - 1 - shell + line;
+        return lines.pushed.data() + place_of(shell) + line;
     }
     const double* pushed(const Lines& lines, Index shell, Index line) const {
-        return lines.pushed.data() + (shell % shells_kept_) * width_ + width_ - 1 - shell + line;
+        return lines.pushed.data() + place_of(shell) + line;
+    }
+    Index place_of(Index shell) const {
+        return by_line_ ? 0 : (shell % shells_kept_ + 1) * width_ - lanes_up(shell + 1);
     }
 
     Index bins_;
-    Index stride_;
+    Index column_stride_;
     Index width_ = 0;
     Index shells_kept_ = 0;
+    bool by_line_ = false;      // of the masses pushed, the last shell's alone are kept
+    Index block_shell_ = 0;     // of the current shell in its block
     std::vector<Index> first_;  // (N) the lowest line that anything has been pushed onto by a shell's turn
     Lines columns_;
     Lines rows_;
@@ -96,11 +107,15 @@ class BandSweep {
     double crushed_neighbour_ = 0.0;
 
     // Of the current shell, by line.
-    std::vector<double> arriving_;
-    std::vector<double> entering_;
-    std::vector<double> settled_share_;
-    std::vector<double> arrived_share_;
-    std::vector<double> block_;    // a few columns of the state, each in one piece
+    LaneVector arriving_;
+    LaneVector entering_;
+    LaneVector settled_share_;  // of mass that was there before, where some of the shell was active then
+    LaneVector arrived_share_;
+    const double* settled_ = nullptr;  // the one or the other
+    double diagonal_settled_ = 0.0;
+    double diagonal_arrived_ = 0.0;
+    LaneVector last_row_;
+    LaneVector block_;             // a few columns of the state, each in one piece
     std::vector<Index> right_;     // (N) the first column above the band in each row
     std::vector<double> factors_;  // (K, 4) of the rows at hand
     std::vector<double> by_term_;  // (K, N) far sums of the columns

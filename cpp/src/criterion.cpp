@@ -132,7 +132,7 @@ double active_share(const LogGrid& grid, const Material& material, double stress
     require(m >= 0 && m < grid.bins(), "m", static_cast<double>(m), "a bin of the grid");
     require(distance >= 0 && distance <= m, "distance", static_cast<double>(distance), "between 0 and m");
     if (m == 0 || stress_ratio == 0.0) return 0.0;
-    return ShellZone(grid, zone_onset(material, std::log(stress_ratio)), material.k(), m).share(distance);
+    return ShellZones(grid, material, std::log(stress_ratio))[m].share(distance);
 }
 
 void active_share(const LogGrid& grid, const Material& material, double stress_ratio,

@@ -4,13 +4,47 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lanes.hpp"
+
 namespace comminute {
 namespace {
 
 constexpr double nearly_denormal = 1e-290;
 constexpr double rounding = 1e-17;
+constexpr double largest_growth = 230.0;  // in logs, within a block of shells
+constexpr Index longest_block = 32;
 
 }  // namespace
+
+void CrushTable::set_powers() {
+    stride = row_stride(bins + lanes);
+    power.assign(static_cast<std::size_t>(terms * stride), 0.0);
+    power_upwards.assign(power.size(), 0.0);
+    for (Index a = 0; a < terms; ++a) {
+        double now = 1.0;
+        for (Index m = 0; m < bins && now > nearly_denormal; ++m) {
+            power[static_cast<std::size_t>(a * stride + m)] = now;
+            power_upwards[static_cast<std::size_t>(a * stride + bins - 1 - m)] = now;
+            now *= ratio[static_cast<std::size_t>(a)];
+        }
+    }
+}
+
+// Within a block the weights of what enters grow as the sums should have decayed, the more the steeper the term.
+void CrushTable::set_block() {
+    if (terms == 0) return;
+    const double steepest = -std::log(*std::min_element(ratio.begin(), ratio.end()));
+    shells_a_block =
+        std::max(static_cast<Index>(std::min(largest_growth / steepest, static_cast<double>(longest_block))),
+                 Index{1});
+    for (Index b = 0; b < shells_a_block; ++b) {
+        for (std::size_t a = 0; a < ratio.size(); ++a) {
+            entering.push_back(coefficient[a] * std::pow(ratio[a], static_cast<double>(1 - b)));
+            falling.push_back(std::pow(ratio[a], static_cast<double>(b)));
+        }
+    }
+    for (const double q : ratio) block_decay.push_back(std::pow(q, static_cast<double>(shells_a_block)));
+}
 
 CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum) {
     CrushTable table;
@@ -18,39 +52,26 @@ CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum) {
     table.bins = static_cast<Index>(bins);
     const double leaves = pmf.below[1];
     table.leaves = leaves;
-    const std::size_t terms = (sum.coefficient.size() + 3) / 4 * 4;
+    const std::size_t terms = sum.coefficient.size();
     table.terms = static_cast<Index>(terms);
     table.head = terms > 0 ? sum.head : table.bins - 1;
-    table.coefficient.assign(terms, 0.0);
-    table.ratio.assign(terms, 0.0);
-    table.entering.assign(terms, 0.0);
-    for (std::size_t a = 0; a < sum.coefficient.size(); ++a) {
-        table.coefficient[a] = sum.coefficient[a] / leaves;
-        table.ratio[a] = sum.ratio[a];
-        table.entering[a] = table.ratio[a] * table.coefficient[a];
-    }
-
-    table.power.assign(terms * bins, 0.0);
-    table.power_upwards.assign(static_cast<std::size_t>(lead) + terms * bins, 0.0);
-    for (std::size_t a = 0; a < sum.coefficient.size(); ++a) {
-        double power = 1.0;
-        for (std::size_t m = 0; m < bins && power > nearly_denormal; ++m) {
-            table.power[a * bins + m] = power;
-            table.power_upwards[static_cast<std::size_t>(lead) + (a + 1) * bins - 1 - m] = power;
-            power *= table.ratio[a];
-        }
-    }
+    table.ratio = sum.ratio;
+    table.coefficient = sum.coefficient;
+    for (double& coefficient : table.coefficient) coefficient /= leaves;
+    table.set_powers();
+    table.set_block();
 
     // Whatever masses a line holds, a term's share of its sum is at most that of one mass alone at the same place.
     table.terms_from.assign(bins, table.terms);
     for (std::size_t m = 0; m < bins && terms > 0; ++m) {
         const double slowest = std::abs(table.coefficient[0]) * table.power[m];
         std::size_t left = terms;
-        while (left > 4 && std::abs(table.coefficient[left - 1]) * table.power[(left - 1) * bins + m] <=
-                               rounding * slowest) {
+        while (left > 1 &&
+               std::abs(table.coefficient[left - 1]) * table.powers(static_cast<Index>(left) - 1)[m] <=
+                   rounding * slowest) {
             --left;
         }
-        table.terms_from[m] = static_cast<Index>((left + 3) / 4 * 4);
+        table.terms_from[m] = static_cast<Index>(left);
     }
 
     table.mass.assign(bins, 0.0);
@@ -64,7 +85,7 @@ CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum) {
             table.mass[m] = 0.0;
             const std::size_t distance = m - static_cast<std::size_t>(table.head);
             for (std::size_t a = 0; a < terms; ++a) {
-                table.mass[m] += table.coefficient[a] * table.power[a * bins + distance];
+                table.mass[m] += table.coefficient[a] * table.powers(static_cast<Index>(a))[distance];
             }
             short_of_law += by_law - table.mass[m];
         }

@@ -12,23 +12,31 @@ namespace comminute {
 struct CrushTable {
     Index bins = 0;
     Index head = 0;                     ///< H; bins - 1 where there are no sums
-    Index terms = 0;                    ///< K, padded with empty terms to a multiple of 4; 0: no sums
+    Index terms = 0;                    ///< K; 0: no sums
     double leaves = 1.0;                ///< 1 - f_0, the share of one crush that leaves the bin
     std::vector<double> mass;           ///< (N) share that lands m bins down, mass[0] = 0
     std::vector<double> mass_upwards;   ///< (N) the same in the order of the bins: entry N - 1 - m
     std::vector<double> below;          ///< (N) from bin m: share that lands in the fines bin
     std::vector<double> coefficient;    ///< (K)
     std::vector<double> ratio;          ///< (K)
-    std::vector<double> entering;       ///< (K) ratio * coefficient
-    std::vector<Index> terms_from;      ///< (N) how many terms, a multiple of 4, count m bins beyond the head
-    std::vector<double> power;          ///< (K, N) ratio^m, 0 where it would be denormal
-    std::vector<double> power_upwards;  ///< the same at lead + N - 1 - m
-    static constexpr Index lead = 4;    ///< entries before it, so that a loop may begin below bin 0
+    std::vector<Index> terms_from;      ///< (N) how many terms count m bins beyond the head
+    Index stride = 0;                   ///< between the rows of the next two, more than N + 8
+    std::vector<double> power;          ///< (K, stride) ratio^m, 0 where it would be denormal
+    std::vector<double> power_upwards;  ///< the same at N - 1 - m
 
-    const double* powers(Index a) const { return power.data() + a * bins; }
+    // Running sums are kept as they would be at the first shell of a block of shells, and decay once a block.
+    Index shells_a_block = 1;  ///< B
+    std::vector<double>
+        entering;  ///< (B, K) what to weigh mass with that enters the sums at a shell of the block
+    std::vector<double> falling;  ///< (B, K) ratio^b, by which the sums have decayed at shell b of the block
+    std::vector<double> block_decay;  ///< (K) ratio^B
+
+    const double* powers(Index a) const { return power.data() + a * stride; }
+    const double* entering_at(Index block_shell) const { return entering.data() + block_shell * terms; }
+    const double* falling_at(Index block_shell) const { return falling.data() + block_shell * terms; }
     /// ratio^(from - to), and on to the next `to` in order of the bins.
     const double* powers_towards(Index a, Index from, Index to) const {
-        return power_upwards.data() + lead + (a + 1) * bins - 1 - from + to;
+        return power_upwards.data() + a * stride + bins - 1 - from + to;
     }
     /// mass[from - to], and on to the next `to` in order of the bins.
     const double* mass_towards(Index from, Index to) const {
@@ -37,6 +45,10 @@ struct CrushTable {
 
     /// @param sum  empty for a table without sums
     static CrushTable make(const FragmentPmf& pmf, const ExponentialSum& sum);
+
+  private:
+    void set_powers();
+    void set_block();
 };
 
 }  // namespace comminute

@@ -16,23 +16,23 @@ constexpr Index block = 64;
 constexpr Index rows_at_once = 4;
 constexpr Index rows_a_tile = 16;
 
-using Pack = double __attribute__((vector_size(32), aligned(8), may_alias));
+using HalfPack = double __attribute__((vector_size(32), aligned(8), may_alias));
 constexpr Index columns_at_once = 8;  // two packs: with four rows, eight sums that do not wait for each other
 
 // Adds factor[row][a] * lines[a][k] over all terms to four rows, `count` a multiple of columns_at_once.
 COMMINUTE_MULTIVERSION void add_to_rows(const double* lines, Index line_stride, const double* factors,
                                         Index terms, double* rows, Index row_stride, Index count) {
     for (Index k = 0; k < count; k += columns_at_once) {
-        Pack sum[rows_at_once][2];
+        HalfPack sum[rows_at_once][2];
         for (Index r = 0; r < rows_at_once; ++r) {
-            const auto* row = reinterpret_cast<const Pack*>(rows + r * row_stride + k);
+            const auto* row = reinterpret_cast<const HalfPack*>(rows + r * row_stride + k);
             sum[r][0] = row[0];
             sum[r][1] = row[1];
         }
         for (Index a = 0; a < terms; ++a) {
-            const auto* line = reinterpret_cast<const Pack*>(lines + a * line_stride + k);
-            const Pack left = line[0];
-            const Pack right = line[1];
+            const auto* line = reinterpret_cast<const HalfPack*>(lines + a * line_stride + k);
+            const HalfPack left = line[0];
+            const HalfPack right = line[1];
             for (Index r = 0; r < rows_at_once; ++r) {
                 const double factor = factors[a * rows_at_once + r];
                 sum[r][0] += factor * left;
@@ -40,7 +40,7 @@ COMMINUTE_MULTIVERSION void add_to_rows(const double* lines, Index line_stride, 
             }
         }
         for (Index r = 0; r < rows_at_once; ++r) {
-            auto* row = reinterpret_cast<Pack*>(rows + r * row_stride + k);
+            auto* row = reinterpret_cast<HalfPack*>(rows + r * row_stride + k);
             row[0] = sum[r][0];
             row[1] = sum[r][1];
         }
@@ -145,7 +145,7 @@ void BandSweep::far_left(const CrushTable& table, Index begin_row, Index end_row
                     factor(begin_row + r, a, common - 1);
             }
         }
-        add_to_rows(table.powers_towards(0, common - 1, begin), bins_, factors_.data(), terms,
+        add_to_rows(table.powers_towards(0, common - 1, begin), table.stride, factors_.data(), terms,
                     out.row(begin_row) + begin, out.stride(), common - begin);
     }
     for (Index row = begin_row; row < end_row; ++row) {

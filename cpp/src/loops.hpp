@@ -8,4 +8,35 @@ namespace comminute {
 /// to[k] += factor * from[k], k < count; the two do not overlap.
 void add_scaled(double factor, const double* from, double* to, Index count);
 
+/// The sums of the lines of one arm of a shell, and of the line that crosses them all.
+struct Falling {
+    Index terms;             ///< K
+    const double* entering;  ///< (K) weight of what enters
+    const double* falling;   ///< (K) what the sums have decayed by since they were last brought up to date
+    const double* crossing;  ///< (K) sums of the crossing line
+    const double*
+        power;  ///< by which the crossing line has decayed at the first line; a term more: power_stride
+    Index power_stride;
+    double* sums;  ///< (count / lanes, K, lanes), from the first line's pack on
+};
+/// Takes into the sums what enters, and says what arrives. `count`, a multiple of `lanes`, may be 0.
+void advance(Falling f, const double* enters, double* arriving, Index count);
+
+/// sums[k] *= factor[a], and 0 where that would be negligible; (count / lanes, K, lanes).
+void decay(const double* factor, Index terms, double* sums, Index count);
+
+/// What happens to the cells of one arm of a shell.
+struct Crushing {
+    const double* there;
+    const double* landed;
+    const double* settled_share;  ///< of what is there
+    const double* arrived_share;  ///< of what has landed
+    double below;                 ///< share of what moves that falls below the grid
+};
+/// What moves of the cells, onto their lines and these lines' fines. Returns its sum. `count` is a multiple of `lanes`;
+/// where both shares are 0 nothing moves, whatever is there.
+double push(Crushing c, double* onto_line, double* fines, Index count);
+/// What stays of them. `rest` may be where `there` is.
+void leave(Crushing c, double* rest, Index count);
+
 }  // namespace comminute

@@ -10,11 +10,13 @@ double zone_onset(const Material& material, double log_stress_ratio) {
     return std::log(material.reference_size) - material.weibull_modulus / 3.0 * log_stress_ratio;
 }
 
-ShellZone::ShellZone(const LogGrid& grid, double onset, double k, Index m)
-    : tip_((onset - grid.centre(m)) / grid.spacing()),
-      steepness_(k / grid.spacing()),
-      root_(std::sqrt(steepness_)),
-      begin_(std::max(-0.5, tip_)) {
+ShellZones::ShellZones(const LogGrid& grid, const Material& material, double log_stress_ratio)
+    : tip_((zone_onset(material, log_stress_ratio) - grid.centre(0)) / grid.spacing()),
+      steepness_(material.k() / grid.spacing()),
+      root_(std::sqrt(steepness_)) {}
+
+ShellZone::ShellZone(double tip, double steepness, double root)
+    : tip_(tip), steepness_(steepness), root_(root), begin_(std::max(-0.5, tip)) {
     if (!(begin_ < 0.5) || std::isinf(tip_)) return;
     s_begin_ = std::sqrt(begin_ - tip_);
     s_length_ = (0.5 - begin_) / (std::sqrt(0.5 - tip_) + s_begin_);
@@ -27,7 +29,7 @@ ShellZone::Piece ShellZone::wider_than(double distance) const {
     const double discriminant = 0.25 * steepness_ - c;
     if (!(discriminant >= 0.0)) return {};
     const double larger = 0.5 * root_ + std::sqrt(discriminant);
-    const double smaller = c / larger;
+    const double smaller = c > 0.0 ? c / larger : 0.0;
     return {std::max(smaller - s_begin_, 0.0), std::min(larger - s_begin_, s_length_)};
 }
 
@@ -89,14 +91,14 @@ Index ShellZone::surely_whole(Index at_most) const {
     const double inner = std::isinf(tip_) ? steepness_ * -tip_
                                           : std::min(root_ * s_begin_, root_ * (s_begin_ + s_length_) - 1.0);
     if (!(inner >= 0.0)) return 0;
-    return static_cast<Index>(std::min(std::floor(inner), static_cast<double>(at_most))) + 1;
+    return static_cast<Index>(std::min(inner, static_cast<double>(at_most))) + 1;
 }
 
 // It lies outside where d >= 1/2 - t + omega(t) for all t; that is less than 1 + omega(1/2).
 Index ShellZone::surely_last(Index at_most) const {
     if (!(tip_ < 0.5)) return -1;
     const double widest = std::isinf(tip_) ? steepness_ * -tip_ : root_ * (s_begin_ + s_length_);
-    return static_cast<Index>(std::min(std::ceil(1.0 + widest), static_cast<double>(at_most)));
+    return static_cast<Index>(std::min(2.0 + widest, static_cast<double>(at_most)));
 }
 
 }  // namespace comminute

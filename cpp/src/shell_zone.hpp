@@ -13,9 +13,9 @@ double zone_onset(const Material& material, double log_stress_ratio);
 /// centre, t in [-1/2, 1/2], the zone's half-width is omega(t) = sqrt(steepness (t - tip)), tip the place of its onset.
 class ShellZone {
   public:
-    /// @param onset  log size at which the zone begins, see zone_onset
-    /// @param k      of Eq. 15
-    ShellZone(const LogGrid& grid, double onset, double k, Index m);
+    /// @param steepness  k / h, k of Eq. 15; inf where the fabric is off
+    /// @param root       of the steepness
+    ShellZone(double tip, double steepness, double root);
 
     /// Share of the area of the cell at |i - j| = distance that lies inside, with no error but rounding.
     double share(Index distance) const;
@@ -40,11 +40,24 @@ class ShellZone {
     double share_between(double distance, const Piece& some, const Piece& all) const;
 
     double tip_;
-    double steepness_;  // k / h; inf where the fabric is off
-    double root_;       // of the steepness
-    double begin_;      // of the zone within the shell
+    double steepness_;
+    double root_;
+    double begin_;  // of the zone within the shell
     double s_begin_ = 0.0;
     double s_length_ = 0.0;
+};
+
+/// The zone under one load, shell by shell.
+class ShellZones {
+  public:
+    ShellZones(const LogGrid& grid, const Material& material, double log_stress_ratio);
+
+    ShellZone operator[](Index m) const { return {tip_ - static_cast<double>(m), steepness_, root_}; }
+
+  private:
+    double tip_;  // of shell 0
+    double steepness_;
+    double root_;
 };
 
 }  // namespace comminute

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <new>
+#include <vector>
+
+#include "comminute/view.hpp"
+
+namespace comminute {
+
+constexpr Index lanes =
+    8;  // doubles in a cache line, and in the widest register that any of these loops uses
+
+/// Eight doubles side by side; a machine with narrower registers takes them in parts. Loads and stores through it may be
+/// anywhere a double may be.
+using Pack = double __attribute__((vector_size(64), aligned(8), may_alias));
+
+inline const Pack& pack_at(const double* from) {
+    return *reinterpret_cast<const Pack*>(from);
+}
+inline Pack& pack_at(double* from) {
+    return *reinterpret_cast<Pack*>(from);
+}
+
+/// Gives memory that begins with a cache line, so that packs in step with it never straddle two.
+template <class T>
+struct CacheLineAllocator {
+    using value_type = T;
+    static constexpr std::align_val_t line{64};
+
+    CacheLineAllocator() = default;
+    template <class U>
+    CacheLineAllocator(const CacheLineAllocator<U>&) {}
+    T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), line)); }
+    void deallocate(T* memory, std::size_t) { ::operator delete(memory, line); }
+    friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
+};
+using LaneVector = std::vector<double, CacheLineAllocator<double>>;
+
+constexpr Index lanes_down(Index n) {
+    return n / lanes * lanes;
+}
+constexpr Index lanes_up(Index n) {
+    return lanes_down(n + lanes - 1);
+}
+
+/// Length for rows of a table that are read side by side: an odd number of cache lines, so that they do not all fall into
+/// one set of the cache where N is a power of two.
+constexpr Index row_stride(Index n) {
+    return (lanes_up(n) / lanes | 1) * lanes;
+}
+
+}  // namespace comminute
