@@ -12,11 +12,7 @@ namespace {
 
 constexpr Index columns_a_block = 32;  // enough to use whole cache lines of the state's rows
 constexpr Index rows_ahead = 4;
-
-// Asks for a piece of a row that will be wanted soon: the band's way through memory is none that a machine foresees.
-void fetch(const double* from, Index count) {
-    for (Index k = 0; k < count + lanes; k += lanes) __builtin_prefetch(from + k);
-}
+constexpr Index shells_a_part = 32;
 
 }  // namespace
 
@@ -49,11 +45,20 @@ void BandSweep::prepare(const CrushTable& table, const ActiveBand& after, bool w
         lines->crossing.assign(static_cast<std::size_t>(table.terms), 0.0);
         lines->pushed.assign(static_cast<std::size_t>(shells_kept_ * width_), 0.0);
         lines->fines.assign(static_cast<std::size_t>(lanes_up(bins_)), 0.0);
+        lines->bottom = {};
         lines->near.resize(whole_state && table.head > 0 ? by_term : 0);
         lines->far.resize(whole_state ? by_term : 0);
     }
     std::fill(crushed_rows_.begin(), crushed_rows_.end(), 0.0);
     crushed_ = crushed_neighbour_ = 0.0;
+}
+
+// The coarsest shell that has pushed mass onto line m of which the head speaks here. From there on down, since what has
+// fallen far is little, and would be lost bit by bit beside what has not.
+Index BandSweep::last_shell_of(const CrushTable& table, Index m) const {
+    Index shell = std::min(m + table.head, bins_ - 1);
+    while (shell > m && first(shell) > m) --shell;
+    return shell;
 }
 
 // What the sums of line m come to at its own shell; what they give there.
@@ -69,7 +74,7 @@ double BandSweep::arrive_on_diagonal(const CrushTable& table, Lines& lines, Inde
         lines.own[static_cast<std::size_t>(a)] = own;
         arriving += own;
     }
-    for (Index above = m + 1; above <= std::min(m + table.head, bins_ - 1) && first(above) <= m; ++above) {
+    for (Index above = last_shell_of(table, m); above > m; --above) {
         arriving += table.mass[static_cast<std::size_t>(above - m)] * *pushed(lines, above, m);
     }
     return arriving;
@@ -102,16 +107,26 @@ void BandSweep::arrive_on_arm(const CrushTable& table, Lines& lines, const Lines
     } else {
         std::fill(arriving + begin, arriving + m, 0.0);
     }
-    if (by_line_) return;
-    for (Index shell = m + 1; shell <= std::min(m + table.head, bins_ - 1); ++shell) {
-        const Index from = std::max(begin, first(shell));
-        if (from >= m) break;
-        add_scaled(table.mass[static_cast<std::size_t>(shell - m)], pushed(lines, shell, from),
-                   arriving + from, m - from);
-    }
-    for (Index shell = m; shell <= std::min(m + table.head, bins_ - 1) && first(shell) <= m; ++shell) {
-        const double mass = *pushed(other, shell, m);
-        if (mass != 0.0) add_scaled(mass, table.mass_towards(shell, begin), arriving + begin, m - begin);
+    if (!by_line_) arrive_from_head(table, lines, other, m);
+}
+
+// The shells that the head speaks of, one by one, and in parts: a sum of hundreds of numbers is rounded as often.
+void BandSweep::arrive_from_head(const CrushTable& table, const Lines& lines, const Lines& other, Index m) {
+    const Index begin = first(m);
+    const Index last = last_shell_of(table, m);
+    double* const part = last - m < shells_a_part ? arriving_.data() : entering_.data();
+    for (Index top = last; top >= m; top -= shells_a_part) {
+        if (part != arriving_.data()) std::fill(part + begin, part + m, 0.0);
+        for (Index shell = top; shell >= m && shell > top - shells_a_part; --shell) {
+            const Index from = std::max(begin, first(shell));
+            if (from < m && shell > m) {
+                add_scaled(table.mass[static_cast<std::size_t>(shell - m)], pushed(lines, shell, from),
+                           part + from, m - from);
+            }
+            const double mass = *pushed(other, shell, m);
+            if (mass != 0.0) add_scaled(mass, table.mass_towards(shell, begin), part + begin, m - begin);
+        }
+        if (part != arriving_.data()) add_scaled(1.0, part + begin, arriving_.data() + begin, m - begin);
     }
 }
 
@@ -135,7 +150,8 @@ double BandSweep::landed_in_fines(const CrushTable& table, const Lines& lines, c
     for (Index a = 0; a < table.terms; ++a) {
         landed += decay[a] * lines.sums[static_cast<std::size_t>(a * lanes)];
     }
-    for (Index shell = m + 1; shell <= std::min(m + table.head, bins_ - 1) && first(shell) == 0; ++shell) {
+    for (Index shell = first(m) == 0 ? last_shell_of(table, m) : m; shell > m; --shell) {
+        if (first(shell) > 0) continue;
         landed += table.mass[static_cast<std::size_t>(shell - m)] * *pushed(lines, shell, 0);
     }
     return landed;
@@ -195,6 +211,7 @@ double BandSweep::crush_arm(const CrushTable& table, Lines& lines, Index m, cons
     const double moved =
         push(from(pack), pushed(lines, m, pack), lines.fines.data() + pack, lanes_up(m) - pack);
     *diagonal = half;
+    if (begin == 0 && m > 0) lines.bottom.add(*pushed(lines, m, 0) * below);
     if (rest != nullptr) leave(from(begin), rest + begin, m - begin);
     return moved;
 }
@@ -267,7 +284,7 @@ void BandSweep::run(const CrushTable& table, const ActiveBand& before, const Act
             if (m >= rows_ahead) fetch(state.row(m - rows_ahead) + first(m), m - first(m));
             set_shares(before, after, m);
             double landed = arrive_on_diagonal(table, columns_, m) + arrive_on_diagonal(table, rows_, m);
-            if (m == 0) landed = columns_.fines[0] + rows_.fines[0];
+            if (m == 0) landed = columns_.bottom.value() + rows_.bottom.value();
             for (const OuterProduct& from : arrivals) {
                 landed += from.psi[static_cast<std::size_t>(m)] * from.psibar[static_cast<std::size_t>(m)];
             }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "active_band.hpp"
+#include "compensated_sum.hpp"
 #include "crush_table.hpp"
 #include "lanes.hpp"
 
@@ -50,17 +51,20 @@ class BandSweep {
         LaneVector sums;  // (packs, K, lanes) of each line, as of the first shell of the current block
         std::vector<double> own;  // (K) those of the line whose shell has its turn, as of this shell
         std::vector<double>
-            crossing;       // (K) the same with what its diagonal cell has pushed, where there is no head
-        LaneVector pushed;  // (shells kept, width) mass pushed onto a line from a shell
-        LaneVector fines;   // (N) what falls below the grid
+            crossing;           // (K) the same with what its diagonal cell has pushed, where there is no head
+        LaneVector pushed;      // (shells kept, width) mass pushed onto a line from a shell
+        LaneVector fines;       // (N) what falls below the grid
+        CompensatedSum bottom;  // the same on line 0 alone, where most of the mass may end
         std::vector<double> near;  // (N, K) the sums of each line at its own shell
         std::vector<double> far;   // (N, K) the same with the head, for places beyond it
     };
 
     void prepare(const CrushTable& table, const ActiveBand& after, bool whole_state);
+    Index last_shell_of(const CrushTable& table, Index m) const;
     double arrive_on_diagonal(const CrushTable& table, Lines& lines, Index m) const;
     void set_crossing(const CrushTable& table, Lines& lines, double pushed_here) const;
     void arrive_on_arm(const CrushTable& table, Lines& lines, const Lines& other, Index m);
+    void arrive_from_head(const CrushTable& table, const Lines& lines, const Lines& other, Index m);
     const double* entering_the_sums(const CrushTable& table, const Lines& lines, Index m);
     double landed_in_fines(const CrushTable& table, const Lines& lines, const Lines& other, Index m) const;
     double crush_diagonal(const CrushTable& table, Index m, double there, double* rest);

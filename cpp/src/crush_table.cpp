@@ -46,12 +46,10 @@ void CrushTable::set_block() {
     for (const double q : ratio) block_decay.push_back(std::pow(q, static_cast<double>(shells_a_block)));
 }
 
-CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum) {
+CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum, double leaves) {
     CrushTable table;
     const std::size_t bins = pmf.mass.size();
     table.bins = static_cast<Index>(bins);
-    const double leaves = pmf.below[1];
-    table.leaves = leaves;
     const std::size_t terms = sum.coefficient.size();
     table.terms = static_cast<Index>(terms);
     table.head = terms > 0 ? sum.head : table.bins - 1;

@@ -4,16 +4,16 @@
 #include <vector>
 
 #include "comminute/fragments.hpp"
+#include "loops.hpp"
 
 namespace comminute {
 
-/// Where mass that crushes until it leaves its bin lands along its line, in the two forms in which a sweep adds it up:
+/// Where mass lands along its line that crushes once, or until it leaves its bin, in the two forms in which a sweep adds it up:
 /// bin by bin for the first `head` reductions, and beyond them as running sums.
 struct CrushTable {
     Index bins = 0;
     Index head = 0;                     ///< H; bins - 1 where there are no sums
     Index terms = 0;                    ///< K; 0: no sums
-    double leaves = 1.0;                ///< 1 - f_0, the share of one crush that leaves the bin
     std::vector<double> mass;           ///< (N) share that lands m bins down, mass[0] = 0
     std::vector<double> mass_upwards;   ///< (N) the same in the order of the bins: entry N - 1 - m
     std::vector<double> below;          ///< (N) from bin m: share that lands in the fines bin
@@ -43,8 +43,14 @@ struct CrushTable {
         return mass_upwards.data() + bins - 1 - from + to;
     }
 
-    /// @param sum  empty for a table without sums
-    static CrushTable make(const FragmentPmf& pmf, const ExponentialSum& sum);
+    /// The rest of what advances sums at a shell of a block, without a line that crosses.
+    Falling falling_sums(Index block_shell, double* sums) const {
+        return {terms, entering_at(block_shell), falling_at(block_shell), nullptr, nullptr, 0, sums};
+    }
+
+    /// @param sum     empty for a table without sums
+    /// @param leaves  what the masses are shares of: all that leaves the bin, or 1 for one crush
+    static CrushTable make(const FragmentPmf& pmf, const ExponentialSum& sum, double leaves);
 
   private:
     void set_powers();

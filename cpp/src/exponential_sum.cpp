@@ -77,7 +77,7 @@ bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
     const double worst = largest_error(sum, pmf);
     sum.error = worst / largest;
     const double leaves = pmf.below.size() > 1 ? pmf.below[1] : 1.0;
-    return sum.error <= 1e-13 && worst <= 1e-15 * leaves;
+    return sum.error <= 2e-14 && worst <= 1e-15 * leaves;
 }
 
 ExponentialSum sum_of(const PowerLawFragments& law, double h, const FragmentPmf& pmf, FragmentRule rule) {

@@ -13,39 +13,7 @@ namespace comminute {
 namespace {
 
 constexpr Index block = 64;
-constexpr Index rows_at_once = 4;
 constexpr Index rows_a_tile = 16;
-
-using HalfPack = double __attribute__((vector_size(32), aligned(8), may_alias));
-constexpr Index columns_at_once = 8;  // two packs: with four rows, eight sums that do not wait for each other
-
-// Adds factor[row][a] * lines[a][k] over all terms to four rows, `count` a multiple of columns_at_once.
-COMMINUTE_MULTIVERSION void add_to_rows(const double* lines, Index line_stride, const double* factors,
-                                        Index terms, double* rows, Index row_stride, Index count) {
-    for (Index k = 0; k < count; k += columns_at_once) {
-        HalfPack sum[rows_at_once][2];
-        for (Index r = 0; r < rows_at_once; ++r) {
-            const auto* row = reinterpret_cast<const HalfPack*>(rows + r * row_stride + k);
-            sum[r][0] = row[0];
-            sum[r][1] = row[1];
-        }
-        for (Index a = 0; a < terms; ++a) {
-            const auto* line = reinterpret_cast<const HalfPack*>(lines + a * line_stride + k);
-            const HalfPack left = line[0];
-            const HalfPack right = line[1];
-            for (Index r = 0; r < rows_at_once; ++r) {
-                const double factor = factors[a * rows_at_once + r];
-                sum[r][0] += factor * left;
-                sum[r][1] += factor * right;
-            }
-        }
-        for (Index r = 0; r < rows_at_once; ++r) {
-            auto* row = reinterpret_cast<HalfPack*>(rows + r * row_stride + k);
-            row[0] = sum[r][0];
-            row[1] = sum[r][1];
-        }
-    }
-}
 
 COMMINUTE_MULTIVERSION void add_product(const double* a, const double* b, double* to, Index count) {
     COMMINUTE_INDEPENDENT
@@ -135,7 +103,7 @@ void BandSweep::far_left(const CrushTable& table, Index begin_row, Index end_row
     Index common = begin;  // up to where all of the rows take the block
     if (end_row - begin_row == rows_at_once) {
         const Index last = std::min(end, left_end(table, begin_row));
-        common = begin + std::max(last - begin, Index{0}) / columns_at_once * columns_at_once;
+        common = begin + std::max(last - begin, Index{0}) / lanes * lanes;
     }
     if (common > begin) {
         const Index terms = terms_at(begin_row, common - 1);
@@ -145,7 +113,7 @@ void BandSweep::far_left(const CrushTable& table, Index begin_row, Index end_row
                     factor(begin_row + r, a, common - 1);
             }
         }
-        add_to_rows(table.powers_towards(0, common - 1, begin), table.stride, factors_.data(), terms,
+        add_to_rows({table.powers_towards(0, common - 1, begin), lanes, table.stride}, factors_.data(), terms,
                     out.row(begin_row) + begin, out.stride(), common - begin);
     }
     for (Index row = begin_row; row < end_row; ++row) {
@@ -166,8 +134,8 @@ void BandSweep::far_right(const CrushTable& table, Index begin_row, Index end_ro
     const Index last_row = end_row - 1;
     const bool all =
         begin_row > 0 && end_row - begin_row == rows_at_once && begin >= right_begin(table, last_row);
-    if (all && end - begin >= columns_at_once) {
-        common = begin + (end - begin) / columns_at_once * columns_at_once;
+    if (all && end - begin >= lanes) {
+        common = begin + (end - begin) / lanes * lanes;
         const Index terms = table.terms_from[static_cast<std::size_t>(begin - last_row - table.head)];
         for (Index a = 0; a < terms; ++a) {
             const double* power = table.powers(a) + begin - table.head;
@@ -175,8 +143,8 @@ void BandSweep::far_right(const CrushTable& table, Index begin_row, Index end_ro
                 factors_[static_cast<std::size_t>(a * rows_at_once + r)] = power[-begin_row - r];
             }
         }
-        add_to_rows(scaled_.data() + begin, bins_, factors_.data(), terms, out.row(begin_row) + begin,
-                    out.stride(), common - begin);
+        add_to_rows({scaled_.data() + begin, lanes, bins_}, factors_.data(), terms,
+                    out.row(begin_row) + begin, out.stride(), common - begin);
     }
     for (Index row = begin_row; row < end_row; ++row) {
         const Index from = std::max(common, right_begin(table, row));

@@ -10,7 +10,7 @@ namespace {
 constexpr double negligible = 1e-200;  // denormal numbers would take a hundred times as long to add
 
 // Packs at once, so that a term's weights are loaded once for all of them, and what arrives stays in registers.
-template <Index Packs>
+template <Index Packs, bool Crossed>
 COMMINUTE_INLINE void advance_packs(const Falling& f, const double* enters, double* arriving, Index at) {
     enters += at;
     arriving += at;
@@ -21,18 +21,18 @@ COMMINUTE_INLINE void advance_packs(const Falling& f, const double* enters, doub
         enter[p] = pack_at(enters + p * lanes);
         along[p] = across[p] = Pack{};
     }
-    const double* power = f.power + at;
+    const double* power = Crossed ? f.power + at : nullptr;
     double* sums = f.sums + at * f.terms;
     for (Index a = 0; a < f.terms; ++a, power += f.power_stride, sums += lanes) {
         const double entering = f.entering[a];
         const double falling = f.falling[a];
-        const double crossing = f.crossing[a];
+        const double crossing = Crossed ? f.crossing[a] : 0.0;
         for (Index p = 0; p < Packs; ++p) {
             Pack& line = pack_at(sums + p * f.terms * lanes);
             const Pack now = line + entering * enter[p];
             line = now;
             along[p] += falling * now;
-            across[p] += crossing * pack_at(power + p * lanes);
+            if constexpr (Crossed) across[p] += crossing * pack_at(power + p * lanes);
         }
     }
     for (Index p = 0; p < Packs; ++p) pack_at(arriving + p * lanes) = along[p] + across[p];
@@ -48,12 +48,17 @@ COMMINUTE_MULTIVERSION void add_scaled(double factor, const double* from, double
 // By value, so that no store can change what the loops are told.
 COMMINUTE_MULTIVERSION void advance(Falling f, const double* enters, double* arriving, Index count) {
     Index k = 0;
-    for (; k + 4 * lanes <= count; k += 4 * lanes) advance_packs<4>(f, enters, arriving, k);
+    if (f.crossing == nullptr) {
+        for (; k + 4 * lanes <= count; k += 4 * lanes) advance_packs<4, false>(f, enters, arriving, k);
+        for (; k < count; k += lanes) advance_packs<1, false>(f, enters, arriving, k);
+        return;
+    }
+    for (; k + 4 * lanes <= count; k += 4 * lanes) advance_packs<4, true>(f, enters, arriving, k);
     if (k + 2 * lanes <= count) {
-        advance_packs<2>(f, enters, arriving, k);
+        advance_packs<2, true>(f, enters, arriving, k);
         k += 2 * lanes;
     }
-    if (k < count) advance_packs<1>(f, enters, arriving, k);
+    if (k < count) advance_packs<1, true>(f, enters, arriving, k);
 }
 
 COMMINUTE_MULTIVERSION void decay(const double* factor, Index terms, double* sums, Index count) {
@@ -88,6 +93,28 @@ COMMINUTE_MULTIVERSION void leave(Crushing c, double* rest, Index count) {
     COMMINUTE_INDEPENDENT
     for (Index k = 0; k < count; ++k) {
         rest[k] = c.there[k] * (1.0 - c.settled_share[k]) + c.landed[k] * (1.0 - c.arrived_share[k]);
+    }
+}
+
+COMMINUTE_MULTIVERSION void settle_row(Landing landing, double* row, double* fines, Index count) {
+    COMMINUTE_INDEPENDENT
+    for (Index k = 0; k < count; ++k) {
+        row[k] += landing.arriving[k] + landing.stays * landing.crushing[k];
+        fines[k] += landing.below * landing.crushing[k];
+    }
+}
+
+COMMINUTE_MULTIVERSION void add_to_rows(Terms of, const double* factors, Index terms, double* rows,
+                                        Index row_stride, Index count) {
+    for (Index k = 0; k < count; k += lanes, of.lines += of.pack_stride) {
+        Pack sum[rows_at_once];
+        for (Index r = 0; r < rows_at_once; ++r) sum[r] = pack_at(rows + r * row_stride + k);
+        const double* line = of.lines;
+        for (Index a = 0; a < terms; ++a, line += of.term_stride) {
+            const Pack by = pack_at(line);
+            for (Index r = 0; r < rows_at_once; ++r) sum[r] += factors[a * rows_at_once + r] * by;
+        }
+        for (Index r = 0; r < rows_at_once; ++r) pack_at(rows + r * row_stride + k) = sum[r];
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "comminute/view.hpp"
+#include "lanes.hpp"
 
 namespace comminute {
 
@@ -13,7 +13,7 @@ struct Falling {
     Index terms;             ///< K
     const double* entering;  ///< (K) weight of what enters
     const double* falling;   ///< (K) what the sums have decayed by since they were last brought up to date
-    const double* crossing;  ///< (K) sums of the crossing line
+    const double* crossing;  ///< (K) sums of the crossing line; null: there is none
     const double*
         power;  ///< by which the crossing line has decayed at the first line; a term more: power_stride
     Index power_stride;
@@ -38,5 +38,32 @@ struct Crushing {
 double push(Crushing c, double* onto_line, double* fines, Index count);
 /// What stays of them. `rest` may be where `there` is.
 void leave(Crushing c, double* rest, Index count);
+
+/// What lands in a row of cells and what crushes in them.
+struct Landing {
+    const double* crushing;
+    const double* arriving;
+    double stays;  ///< share of what crushes that stays in its bin
+    double below;  ///< and that falls below the grid
+};
+/// row[k] += arriving[k] + stays crushing[k], fines[k] += below crushing[k].
+void settle_row(Landing landing, double* row, double* fines, Index count);
+
+constexpr Index rows_at_once = 4;
+
+/// Lines by term, in packs.
+struct Terms {
+    const double* lines;
+    Index pack_stride;
+    Index term_stride;
+};
+/// Adds the sum over a of factors[a, r] lines[a] to row r of four; `count` is a multiple of `lanes`.
+/// @param factors  (terms, 4)
+void add_to_rows(Terms of, const double* factors, Index terms, double* rows, Index row_stride, Index count);
+
+/// Asks for a piece of memory that will be wanted soon, where the way there is none that a machine foresees.
+inline void fetch(const double* from, Index count) {
+    for (Index k = 0; k < count + lanes; k += lanes) __builtin_prefetch(from + k);
+}
 
 }  // namespace comminute

@@ -60,6 +60,7 @@ struct QuasiStatic::Work {
     SolvePath path;
     FragmentPmf fragments;
     ExponentialSum sum;
+    double leaves;  // 1 - f_0, the share of one crush that leaves the bin
     CrushTable bin_by_bin;
     CrushTable by_sums;
     ActiveBand before;
@@ -76,8 +77,9 @@ struct QuasiStatic::Work {
           path(p),
           fragments(fragment_pmf(m.fragments, g.spacing(), g.bins(), rule())),
           sum(exponential_sum(m.fragments, g.spacing(), fragments, rule())),
-          bin_by_bin(CrushTable::make(fragments, {})),
-          by_sums(CrushTable::make(fragments, sum)),
+          leaves(fragments.below[1]),
+          bin_by_bin(CrushTable::make(fragments, {}, leaves)),
+          by_sums(CrushTable::make(fragments, sum, leaves)),
           before(g, m, s),
           after(g, m, s),
           sweep(g.bins()),
@@ -147,8 +149,8 @@ struct QuasiStatic::Work {
         report.terms = by.terms > 0 ? static_cast<Index>(sum.coefficient.size()) : 0;
         report.head = by.head;
         report.fit_error = by.terms > 0 ? sum.error : 0.0;
-        report.crushed = sweep.crushed() / by.leaves;
-        report.crushed_neighbour = sweep.crushed_neighbour() / by.leaves;
+        report.crushed = sweep.crushed() / leaves;
+        report.crushed_neighbour = sweep.crushed_neighbour() / leaves;
         return report;
     }
 

@@ -24,6 +24,7 @@ StepReport repeat(Engine& engine, MatrixView<double> state, double stress_ratio,
         sum.active = step.active;
         sum.crushed += step.crushed;
         sum.crushed_neighbour += step.crushed_neighbour;
+        sum.terms = step.terms;
         ++sum.steps;
         if (steps == 0 && step.active <= rest_tolerance * total) break;
     }

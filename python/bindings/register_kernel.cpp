@@ -56,32 +56,35 @@ Examples
     py::class_<StepReport>(m, "StepReport", R"doc(What one step, or a run of steps, did.
 
 Masses are in the unit of the state, whose total is usually 1.)doc")
-        .def(py::init([](double active, double crushed, double crushed_neighbour, Index steps) {
-                 return StepReport{active, crushed, crushed_neighbour, steps};
+        .def(py::init([](double active, double crushed, double crushed_neighbour, Index steps, Index terms) {
+                 return StepReport{active, crushed, crushed_neighbour, steps, terms};
              }),
-             py::arg("active"), py::arg("crushed"), py::arg("crushed_neighbour"), py::arg("steps"))
+             py::arg("active"), py::arg("crushed"), py::arg("crushed_neighbour"), py::arg("steps"),
+             py::arg("terms") = 0)
         .def_readonly("active", &StepReport::active, "Mass inside the zone when the last step began.")
         .def_readonly("crushed", &StepReport::crushed, "Mass crushed in psi, every crush counted.")
         .def_readonly("crushed_neighbour", &StepReport::crushed_neighbour, "Mass crushed in psibar.")
         .def_readonly("steps", &StepReport::steps, "Number of steps.")
+        .def_readonly("terms", &StepReport::terms,
+                      "Terms of the exponential sum by which the last step spread mass; 0: by other means.")
         .def(
             "__eq__",
             [](const StepReport& a, const StepReport& b) {
                 return a.active == b.active && a.crushed == b.crushed && a.steps == b.steps &&
-                       a.crushed_neighbour == b.crushed_neighbour;
+                       a.crushed_neighbour == b.crushed_neighbour && a.terms == b.terms;
             },
             py::is_operator())
         .def("__repr__",
              [](const StepReport& r) {
                  return repr_of("StepReport", "active", r.active, "crushed", r.crushed, "crushed_neighbour",
-                                r.crushed_neighbour, "steps", r.steps);
+                                r.crushed_neighbour, "steps", r.steps, "terms", r.terms);
              })
         .def(py::pickle(
             [](const StepReport& r) {
-                return py::make_tuple(r.active, r.crushed, r.crushed_neighbour, r.steps);
+                return py::make_tuple(r.active, r.crushed, r.crushed_neighbour, r.steps, r.terms);
             },
             [](const py::tuple& t) {
                 return StepReport{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(),
-                                  t[3].cast<Index>()};
+                                  t[3].cast<Index>(), t[4].cast<Index>()};
             }));
 }

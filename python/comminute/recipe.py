@@ -122,7 +122,7 @@ def grid_record(grid: LogGrid) -> dict[str, Any]:
 
 REPORTS: dict[str, tuple[type[SolveReport] | type[StepReport], tuple[str, ...]]] = {
     "solve": (SolveReport, ("path", "terms", "head", "fit_error", "crushed", "crushed_neighbour")),
-    "steps": (StepReport, ("active", "crushed", "crushed_neighbour", "steps")),
+    "steps": (StepReport, ("active", "crushed", "crushed_neighbour", "steps", "terms")),
 }
 
 

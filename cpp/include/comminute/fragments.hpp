@@ -130,7 +130,7 @@ struct ExponentialSum {
     double error = 0.0;               ///< largest |sum - f_m| over the tail, as a share of the largest f_m
 };
 
-/// The shortest sum that meets `pmf` to 1e-13 of its largest entry and to 1e-15 of all that leaves a bin, checked against
+/// The shortest sum that meets `pmf` to 2e-14 of its largest entry and to 1e-15 of all that leaves a bin, checked against
 /// every entry.
 /// @param pmf  fragment_pmf of the same law, spacing and rule
 ///
@@ -140,7 +140,7 @@ struct ExponentialSum {
 /// auto f = comminute::fragment_pmf(comminute::WeibullFragments{}, h, 700, rule);
 /// auto sum = comminute::exponential_sum(comminute::WeibullFragments{}, h, f, rule);
 /// CHECK(sum.coefficient.size() <= 14);
-/// CHECK(sum.error < 1e-13);
+/// CHECK(sum.error < 2e-14);
 /// @endcode
 ExponentialSum exponential_sum(const FragmentLaw& law, double spacing, const FragmentPmf& pmf,
                                FragmentRule rule);

@@ -71,6 +71,7 @@ struct StepReport {
     double crushed = 0.0;  ///< mass crushed in psi, every crush counted, those that stay in their bin too
     double crushed_neighbour = 0.0;  ///< the same in psibar
     Index steps = 0;
+    Index terms = 0;  ///< of the exponential sum by which the last step spread mass; 0: by other means
 };
 
 }  // namespace comminute

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+
 #include "comminute/kernel.hpp"
 
 namespace comminute {
@@ -10,8 +12,9 @@ namespace comminute {
 /// kernel.
 ///
 /// Costs one look at the band plus O(N) for each active cell: where the state was at rest and the load has risen a
-/// little, those are the O(N) cells at the zone's boundary. Never makes a negative entry. One object per thread; a step
-/// allocates nothing.
+/// little, those are the O(N) cells at the zone's boundary. Where so many cells hold mass that running sums cost less,
+/// O(K N^2), and the fragments' law has them, it takes these; the report's `terms` says so. Never makes a negative
+/// entry. Owns its workspace (up to one state); one object per thread. A step allocates nothing.
 ///
 /// @throws ParameterError for a bad material
 ///
@@ -27,6 +30,11 @@ namespace comminute {
 class SlowUpdate {
   public:
     SlowUpdate(const LogGrid& grid, const Material& material, FragmentRule rule = FragmentRule::paper);
+    ~SlowUpdate();
+    SlowUpdate(const SlowUpdate& other);
+    SlowUpdate& operator=(const SlowUpdate& other);
+    SlowUpdate(SlowUpdate&&) noexcept;
+    SlowUpdate& operator=(SlowUpdate&&) noexcept;
 
     /// @param p    (N, N) state before the step; active entries must be finite
     /// @param out  (N, N) state after it; may be p itself, and is then updated in place
@@ -35,36 +43,11 @@ class SlowUpdate {
     ///         that is not finite; `out` is then untouched
     StepReport step(MatrixView<const double> p, double stress_ratio, MatrixView<double> out);
 
-    const Kernel& kernel() const { return kernel_; }
+    const Kernel& kernel() const;
 
   private:
-    /// The run of cells in one arm of a shell, from the first with mass to the last.
-    struct Run {
-        Index begin = 0;
-        Index end = 0;
-    };
-    /// A run taken out of row `shell`, waiting to be spread up its columns.
-    struct Lifted {
-        Index shell;
-        Index begin;
-        Index end;
-        Index mass;  // where its masses start in lifted_mass_
-    };
-    void look(MatrixView<const double> p);
-    void spread_along_rows(Index m, MatrixView<double> p);
-    void lift_row(Index m, MatrixView<double> p);
-    void spread_along_columns(MatrixView<double> p);
-
-    Kernel kernel_;
-    CrushZones zones_;
-    std::vector<double> fragments_reversed_;
-    std::vector<Run> in_row_;     // cells (m, j < m): psi crushes
-    std::vector<Run> in_column_;  // cells (i < m, m): psibar crushes
-    std::vector<Lifted> lifted_;
-    std::size_t lifted_runs_ = 0;
-    std::vector<double> lifted_mass_;
-    Index lifted_cells_ = 0;
-    StepReport report_;
+    struct Work;
+    std::unique_ptr<Work> work_;
 };
 
 }  // namespace comminute
