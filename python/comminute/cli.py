@@ -144,14 +144,15 @@ def run(
 def _begun(ready: ReadyCase, *, resume: bool, force: bool) -> tuple[Result | None, Result | None]:
     """Finished loads to go on from, and the result of a run that is complete already."""
     target, part = ready.target, part_of(ready.target)
+    if resume and target.exists() and not force:
+        over_part = f"--resume --force overwrites it and goes on from {part.name}"
+        complete = finished_loads(ready, target, over_part if part.exists() else "--force overwrites it")
+        part.unlink(missing_ok=True)  # a stop between the last two steps of a run leaves it
+        return None, complete
+    if resume:
+        return finished_loads(ready, part, "--force without --resume throws it away and starts anew"), None
     if force:
         return None, None
-    if resume:
-        if target.exists():
-            complete = finished_loads(ready, target)
-            part.unlink(missing_ok=True)  # a stop between the last two steps of a run leaves it
-            return None, complete
-        return finished_loads(ready, part), None
     if target.exists():
         raise OutputExistsError(f"{target} exists; --force overwrites it, --output names another file")
     if part.exists():

@@ -106,14 +106,20 @@ def _require_sealed(file: Path) -> None:
     )
 
 
+def require_netcdf(wanted_for: str) -> Any:
+    """Load what reads and writes NetCDF, and give xarray; where something is missing, say what to install."""
+    try:
+        import h5netcdf  # noqa: F401, PLC0415  (optional dependencies)
+        import h5py  # noqa: F401, PLC0415
+        import xarray as xr  # noqa: PLC0415
+    except ImportError as error:
+        raise needs("io", "xarray, h5netcdf and h5py", wanted_for) from error
+    return xr
+
+
 def save_netcdf(result: Result, path: Path) -> Path:
     """Write a result to a NetCDF file; see `Result.save`."""
-    try:
-        import h5netcdf  # noqa: F401, PLC0415
-        import h5py  # noqa: F401, PLC0415
-        import xarray  # noqa: F401, PLC0415
-    except ImportError as error:
-        raise needs("io", "xarray, h5netcdf and h5py", f"saving {path.name}") from error
+    require_netcdf(f"saving {path.name}")
     data = to_dataset(result)
     packing = {name: PACKING if data[name].ndim else {} for name in data.variables}
 
@@ -150,12 +156,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     >>> cm.open_result(path) == result
     True
     """
-    try:
-        import h5netcdf  # noqa: F401, PLC0415
-        import h5py  # noqa: F401, PLC0415
-        import xarray as xr  # noqa: PLC0415
-    except ImportError as error:
-        raise needs("io", "xarray, h5netcdf and h5py", "open_result") from error
+    xr = require_netcdf("open_result")
     file = Path(path)
     if not is_file(file):
         raise ParameterError(f"{shorten(str(file), 200)} does not exist; give a result file (.nc)")

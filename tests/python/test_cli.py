@@ -1,14 +1,12 @@
 """The command line as its users meet it: words, exit codes, files, and what survives a stop."""
 
 import json
-import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
+import kills
 import numpy as np
 import pytest
 
@@ -45,10 +43,6 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "case.toml").write_text(CASE)
     (tmp_path / "sand.csv").write_text(SAND)
     return tmp_path
-
-
-def command(*words: object) -> list[str]:
-    return [sys.executable, "-m", "comminute", *(str(word) for word in words)]
 
 
 def test_new_check_run_stats_plot(tmp_path: Path) -> None:
@@ -241,29 +235,31 @@ def test_without_the_extra_the_command_names_it(library: str) -> None:
     assert done.stderr.strip() == f"comminute needs {library}; install it with: pip install 'comminute[cli]'"
 
 
-LONG = CASE.replace("[1.2, 12.0, 24.0]", "{ from = 1.2, to = 1200.0, steps = 40 }").replace("100", "150")
-LONG += '[engine]\nname = "full-convolution"\n'  # slow enough to be stopped in the middle
-
-
 def whole_run(folder: Path) -> cm.Result:
     assert call("run", folder / "case.toml", "-o", folder / "whole.nc").exit_code == 0
     return cm.open_result(folder / "whole.nc")
 
 
-def test_control_c_keeps_the_finished_loads(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (folder / "case.toml").write_text(LONG)
-    whole = whole_run(folder)
+def stop_after(loads: int, *words: object) -> Result:
+    """Call a command and press Ctrl-C when so many loads are finished."""
     one_load, count = continuing.one_load, iter(range(100))
 
     def stop(*args: Any) -> cm.Result:
-        if next(count) == 7:
+        if next(count) == loads:
             raise KeyboardInterrupt
         return one_load(*args)
 
-    monkeypatch.setattr(continuing, "one_load", stop)
-    stopped = call("run", folder / "case.toml")
-    monkeypatch.undo()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(continuing, "one_load", stop)
+        stopped = call(*words)
     assert stopped.exit_code == 130
+    return stopped
+
+
+def test_control_c_keeps_the_finished_loads(folder: Path) -> None:
+    (folder / "case.toml").write_text(kills.case(loads=40))
+    whole = whole_run(folder)
+    stopped = stop_after(7, "run", folder / "case.toml")
     assert "interrupted after 7 finished loads; they are in" in stopped.stderr
     assert cm.open_result(folder / "run.part.nc").stress_ratio.size == 7
     assert call("run", folder / "case.toml").exit_code == 3
@@ -279,41 +275,26 @@ def test_a_part_of_another_case_is_not_gone_on_from(folder: Path) -> None:
     (folder / "case.toml").write_text(CASE.replace("1.2\n", "1.3\n"))
     refused = call("run", folder / "case.toml", "--resume")
     assert refused.exit_code == 2
-    assert "run.part.nc belongs to another case; --force throws it away" in refused.stderr
+    assert "run.part.nc belongs to another case; --force without --resume throws it away" in refused.stderr
+    assert call("run", folder / "case.toml", "--force").exit_code == 0
 
 
-def kill_and_resume(folder: Path, seconds: float, whole: cm.Result) -> int:
-    """Kill a run after a time, see that earlier output is as it was, resume; returns the finished loads found."""
-    for name in ("run.nc", "run.part.nc"):
-        (folder / name).unlink(missing_ok=True)
-    earlier = (folder / "whole.nc").read_bytes()
-    process = subprocess.Popen(
-        command("run", folder / "case.toml"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    time.sleep(seconds)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    assert (folder / "whole.nc").read_bytes() == earlier
-    part = folder / "run.part.nc"
-    found = cm.open_result(part).stress_ratio.size if part.exists() else 0
-    if (folder / "run.nc").exists():
-        found = whole.stress_ratio.size
-    resumed = subprocess.run(
-        command("run", folder / "case.toml", "--resume"), capture_output=True, text=True, check=False
-    )
-    assert resumed.returncode == 0, resumed.stderr
-    assert cm.open_result(folder / "run.nc") == whole
-    assert sorted(p.name for p in folder.iterdir()) == ["case.toml", "run.nc", "sand.csv", "whole.nc"]
-    return found
+def test_a_stopped_overwriting_goes_on_with_force(folder: Path) -> None:
+    assert call("run", folder / "case.toml").exit_code == 0
+    earlier = (folder / "run.nc").read_bytes()
+    (folder / "case.toml").write_text(CASE.replace("1.2\n", "1.3\n"))
+    assert call("run", folder / "case.toml", "-o", folder / "whole.nc").exit_code == 0
+    stop_after(1, "run", folder / "case.toml", "--force")
+    assert (folder / "run.nc").read_bytes() == earlier
+    refused = call("run", folder / "case.toml", "--resume")
+    assert refused.exit_code == 2
+    assert "run.nc belongs to another case; --resume --force overwrites it and goes on from run.part" in refused.stderr
+    resumed = call("run", folder / "case.toml", "--resume", "--force")
+    assert "going on after 1 finished loads" in resumed.output
+    assert cm.open_result(folder / "run.nc") == cm.open_result(folder / "whole.nc")
 
 
-def test_a_killed_run_goes_on_bit_for_bit(folder: Path) -> None:
-    times = int(os.environ.get("COMMINUTE_KILLS", "2"))
-    (folder / "case.toml").write_text(LONG if times < 10 else LONG.replace("steps = 40", "steps = 400"))
-    whole = whole_run(folder)
-    chance = np.random.default_rng(7)
-    begun = time.monotonic()
-    subprocess.run(command("run", folder / "case.toml"), stdout=subprocess.DEVNULL, check=True)
-    seconds = time.monotonic() - begun
-    found = [kill_and_resume(folder, float(chance.uniform(0.3, 1.0)) * seconds, whole) for _ in range(times)]
-    print("finished loads at the kill:", found)
+def test_killed_runs_go_on_bit_for_bit(tmp_path: Path) -> None:
+    trials = kills.Trials(tmp_path, loads=25)
+    for forced in (False, True):
+        trials.one([0.7 * trials.seconds, 0.9 * trials.seconds], forced=forced)
