@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from comminute._core import Grading, LogGrid, ParameterError, PointMass, _curve_on_grid, _first_at_least
+from comminute.equality import same_values
 from comminute.sieves import convert, sieve_sizes, unit_of
 
 if TYPE_CHECKING:
@@ -40,6 +41,18 @@ class SieveTable(NamedTuple):
     unit: str
     percent_retained: Floats
     pan: float
+
+    def __eq__(self, other: object) -> bool:
+        """Equal in every number."""
+        return same_values(self, other) if isinstance(other, SieveTable) else NotImplemented
+
+    def __ne__(self, other: object) -> bool:
+        """Different in a number; a tuple's own comparison cannot ask arrays."""
+        return not self == other
+
+    def __hash__(self) -> int:
+        """Refused, as that of any array."""
+        raise TypeError("a SieveTable holds arrays; it has no hash")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -114,8 +127,7 @@ class SizeCurve:
         """Equal in every point."""
         if not isinstance(other, SizeCurve):
             return NotImplemented
-        same = np.array_equal(self.size, other.size) and np.array_equal(self.finer, other.finer)
-        return same and (self.unit, self.tail_slope) == (other.unit, other.tail_slope)
+        return same_values(vars(self).values(), vars(other).values())
 
     __hash__ = None  # type: ignore[assignment]
 

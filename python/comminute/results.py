@@ -23,6 +23,7 @@ from comminute._core import (
     percentile,
 )
 from comminute.curves import SizeCurve
+from comminute.equality import same_values
 from comminute.recipe import Recipe
 from comminute.whole_files import write_whole
 
@@ -205,11 +206,7 @@ class Result:
         """Equal in every number and setting."""
         if not isinstance(other, Result):
             return NotImplemented
-        mine, theirs = self.__dict__, other.__dict__
-        return all(
-            np.array_equal(value, theirs[name]) if isinstance(value, np.ndarray) else value == theirs[name]
-            for name, value in mine.items()
-        )
+        return type(self) is type(other) and same_values(vars(self).values(), vars(other).values())
 
     __hash__ = None  # type: ignore[assignment]
 
