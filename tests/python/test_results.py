@@ -175,9 +175,9 @@ def test_plot_draws_what_the_result_has(result: cm.Result) -> None:
     figure = result.plot()
     left, right = figure.axes[:2]
     curves = {line.get_label(): line for line in left.get_lines()}
-    assert {name for name in curves if not str(name).startswith("_")} == {"start", "1", "8"}  # tails have no entry
-    np.testing.assert_allclose(np.asarray(curves["8"].get_ydata()), 100 * result.cdf[1])
-    np.testing.assert_allclose(np.asarray(curves["8"].get_xdata()), result.edge_size)
+    assert {name for name in curves if not str(name).startswith("_")} == {"start", "2", "16"}  # tails have no entry
+    np.testing.assert_allclose(np.asarray(curves["16"].get_ydata()), 100 * result.cdf[1])
+    np.testing.assert_allclose(np.asarray(curves["16"].get_xdata()), result.edge_size)
     assert left.get_xlabel() == "grainsize (mm)"
     zone = right.get_lines()[0]
     larger, smaller = zone.get_data()
