@@ -1,5 +1,6 @@
 """Results and the other objects as things: files, pickles, equality, text, plots, optional libraries."""
 
+import math
 import pickle
 import subprocess
 import sys
@@ -157,6 +158,22 @@ def test_percentiles_of_a_result(result: cm.Result) -> None:
     assert np.all(d10 < d60)
     for k in range(2):
         assert np.interp(np.log(d60[k]), np.log(result.edge_size), result.cdf[k]) == pytest.approx(0.6)
+
+
+def test_the_largest_size_of_a_result_is_good_to_a_bin() -> None:
+    gap = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1)).run(stress_ratio=[0.5, 2.0, 100.0])
+    edge = gap.edge_size[gap.grid.bin_of(0.0)]
+    np.testing.assert_array_equal(gap.percentile(100), [1.0, edge, edge])  # exact until fragments share its bin
+    assert 1.0 < edge < math.exp(gap.grid.spacing)
+    sand = cm.Simulation(MATERIAL, SAND).run(stress_ratio=[1.0, 8.0])
+    np.testing.assert_allclose(sand.percentile(100), 1.5, rtol=1e-12)  # a grid of its own ends with the grading
+    coarse_grid = cm.Simulation(MATERIAL, SAND, grid=cm.LogGrid(-6.0, 0.63, 66)).run(stress_ratio=1.0)
+    (largest,) = coarse_grid.percentile(100)
+    assert largest in coarse_grid.edge_size
+    assert 1.5 < largest < 1.5 * math.exp(coarse_grid.grid.spacing)
+    for k in range(3):  # inf{d : F(d) >= 1}
+        assert gap.curve(k).percentile(100) == gap.percentile(100)[k]
+        assert gap.cdf[k][gap.edge_size >= gap.percentile(100)[k]].min() > 1.0 - 1e-12
 
 
 def test_percentiles_in_the_fines_bin_are_refused_or_extrapolated() -> None:

@@ -69,6 +69,15 @@ def test_resuming_equals_one_run(start: str, cut: int, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("start", STARTS)
+def test_resuming_without_all_fabrics_equals_one_run_to_rounding(start: str) -> None:
+    sim = simulation(start)
+    whole = sim.run(stress_ratio=[1.0, 8.0, 30.0, 100.0], keep_fabrics="last")
+    again = sim.run(stress_ratio=[1.0, 8.0], keep_fabrics="last").resume([30.0, 100.0], keep_fabrics="last")
+    for name in ("pmf", "crushes"):
+        np.testing.assert_allclose(getattr(again, name), getattr(whole, name), rtol=0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize(
     "options",
     [{}, {"kind": "exact", "steps_per_load": 2}, {"loading_rate": [0.0, 0.5, 1.0]}, {"keep_fabrics": "last"}],
