@@ -41,6 +41,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Number = Annotated[bool, typer.Option("--number", help="The shares of the sieve table count grains.")]
+Top = Annotated[str, typer.Option("--top", help='"extend" closes a sieve curve short of 100 %.')]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
 
 
@@ -207,14 +209,15 @@ def _run_again(file: Path, output: Path | None, *, as_json: bool, force: bool) -
 @plain_errors
 def stats(
     file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
-    number: Annotated[bool, typer.Option("--number", help="The shares of the sieve table count grains.")] = False,
-    top: Annotated[str, typer.Option("--top", help='"extend" closes a curve short of 100 %.')] = "error",
+    number: Number = False,
+    top: Top = "error",
+    extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Follow the tail below the finest size.")] = False,
     as_json: Json = False,
 ) -> None:
     """Compute the indices of a sieve table, or of every load of a result."""
     from comminute import cli_stats  # noqa: PLC0415  (keeps the other commands quick)
 
-    found = cli_stats.stats_of(file, number=number, top=top)
+    found = cli_stats.stats_of(file, number=number, top=top, extrapolate=extrapolate)
     print(json.dumps(found) if as_json else cli_stats.as_text(found))
 
 
@@ -228,6 +231,8 @@ def plot(
     coarse_left: Annotated[bool, typer.Option("--coarse-left", help="Sizes fall rightwards.")] = False,
     phi: Annotated[bool, typer.Option("--phi", help="Sizes on the phi scale.")] = False,
     load: Annotated[int, typer.Option("--load", help="Index of the load whose fabric is drawn.")] = -1,
+    number: Number = False,
+    top: Top = "error",
     force: Force = False,
 ) -> None:
     """Draw a sieve table or a result to a picture file; no window opens."""
@@ -240,7 +245,8 @@ def plot(
     if target.suffix not in cli_plots.ENDINGS:
         raise ParameterError(f"--output is '{target}'; it must end in {', '.join(cli_plots.ENDINGS)}")
     _refuse_existing(target, force)
-    cli_plots.draw(file, target, what=what, axes=axes, coarse_left=coarse_left, phi=phi, load=load)
+    curves = {"axes": axes, "coarse_left": coarse_left, "phi": phi}
+    cli_plots.draw(file, target, what=what, load=load, table={"number": number, "top": top}, **curves)
     print(f"wrote {target}")
 
 

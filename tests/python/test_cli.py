@@ -64,6 +64,9 @@ def test_new_check_run_stats_plot(tmp_path: Path) -> None:
     assert stats["unit"] == "mm"
     assert stats["gradings"][0]["D50"] == pytest.approx(0.5 * 2**0.5, rel=1e-3)
     assert stats["gradings"][-1]["Einav B"] > 0.0
+    assert (stats["gradings"][-1]["stress"], stats["gradings"][-1]["stress_ratio"]) == (120.0, 100.0)
+    table = call("stats", made / "run.nc").output.splitlines()
+    assert " ".join(table[1].split()) == "stress (MPa) start 1.2 2.134 3.795 6.748 12 21.34 37.95 67.48 120"
     for what in ("gradings", "fabric", "index"):
         assert call("plot", made / "run.nc", "--what", what, "-o", made / f"{what}.png").exit_code == 0
         assert (made / f"{what}.png").stat().st_size > 10_000
@@ -215,6 +218,32 @@ def test_what_is_allowed_but_may_surprise_is_said(change: tuple[str, str, str], 
     done = call("run", folder / "case.toml")
     assert done.exit_code == 0, done.output
     assert words in done.output
+
+
+def test_a_coarse_finest_sieve_is_said_once_and_followed_on_request(folder: Path) -> None:
+    (folder / "sand.csv").write_text("size_mm,percent_retained\n4,0\n2,12.5\n0.4,60\npan,27.5\n")
+    short = call("stats", folder / "sand.csv")
+    assert short.exit_code == 0
+    assert short.output.splitlines()[-1] == (
+        "-: D5, D10, D16, D25 lie below the finest size of the curve, 0.4 mm, which 27.5 % are finer than; "
+        "--extrapolate follows the tail"
+    )
+    assert "note: 27.5 % is finer than the finest sieve" in short.output
+    followed = json.loads(call("stats", folder / "sand.csv", "--extrapolate", "--json").output)
+    sand = cm.Grading.read(folder / "sand.csv")
+    (row,) = followed["gradings"]
+    assert row["D10"] == pytest.approx(sand.percentile(10, extrapolate=True))
+    assert row["Cu"] == pytest.approx(cm.uniformity(sand, extrapolate=True))
+    assert row["because"] == {}
+
+
+def test_options_of_sieve_tables_hold_for_stats_and_plot(folder: Path) -> None:
+    (folder / "sand.csv").write_text("size_mm,percent_finer\n2,95\n1,60\n0.5,0\n")
+    for verb in ("stats", "plot"):
+        refused = call(verb, folder / "sand.csv")
+        assert refused.exit_code == 2
+        assert "or pass --top extend to carry the last slope on" in refused.stderr
+        assert call(verb, folder / "sand.csv", "--top", "extend", "--number").exit_code == 0
 
 
 def test_cite_and_version() -> None:
