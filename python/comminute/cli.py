@@ -6,7 +6,7 @@ import functools
 import json
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, NoReturn, ParamSpec
 
@@ -120,8 +120,8 @@ def run(
     force: Force = False,
 ) -> None:
     """Run a case, or run a result file again; print a table and write a result file for each run."""
-    if output is not None and output.suffix != ".nc":
-        raise ParameterError(f"--output is '{output}'; it must end in .nc")
+    if output is not None:
+        _require_writable(output, (".nc",))
     if case.suffix == ".nc":
         _run_again(case, output, as_json=as_json, force=force)
         return
@@ -242,8 +242,7 @@ def plot(
         message = "plot needs matplotlib; install it with: pip install 'comminute[plot]'"
         raise ImportError(message) from error
     target = output or file.with_suffix(".png")
-    if target.suffix not in cli_plots.ENDINGS:
-        raise ParameterError(f"--output is '{target}'; it must end in {', '.join(cli_plots.ENDINGS)}")
+    _require_writable(target, cli_plots.ENDINGS)
     _refuse_existing(target, force)
     curves = {"axes": axes, "coarse_left": coarse_left, "phi": phi}
     cli_plots.draw(file, target, what=what, load=load, table={"number": number, "top": top}, **curves)
@@ -263,6 +262,13 @@ def doctor(as_json: Json = False) -> None:
     """Print versions and what this installation can do."""
     found = cli_texts.installation()
     print(json.dumps(found) if as_json else "\n".join(f"{name:12} {value}" for name, value in found.items()))
+
+
+def _require_writable(output: Path, endings: Sequence[str]) -> None:
+    if output.suffix not in endings:
+        raise ParameterError(f"--output is '{output}'; it must end in {', '.join(endings)}")
+    if not output.parent.is_dir():
+        raise ParameterError(f"--output is '{output}'; its folder does not exist")
 
 
 def _refuse_existing(file: Path, force: bool) -> None:

@@ -38,6 +38,10 @@ def draw(file: Path, target: Path, *, what: str, load: int, table: dict[str, Any
                 raise ParameterError(
                     f"--load is {load}; it must be an index of a load, 0 to {result.stress_ratio.size - 1}"
                 )
+            if result.fabrics[load] is None:
+                raise ParameterError(
+                    f"{file.name} has no fabric of load {load}; list it under fabrics in [output] of the case"
+                )
             figure = plotting.plot_result(result, load)
         else:
             _indices(result, figure)

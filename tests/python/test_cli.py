@@ -1,12 +1,10 @@
-"""The command line as its users meet it: words, exit codes, files, and what survives a stop."""
+"""The command line as its users meet it: words, exit codes, and files."""
 
 import json
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
-import kills
 import numpy as np
 import pytest
 
@@ -17,7 +15,6 @@ pytest.importorskip("h5netcdf")
 
 from typer.testing import CliRunner, Result
 
-from comminute import continuing
 from comminute.cli import app
 
 CASE = """
@@ -73,6 +70,9 @@ def test_new_check_run_stats_plot(tmp_path: Path) -> None:
     assert call("plot", made / "run.nc", "-o", made / "index.png").exit_code == 3
     assert call("plot", made / "sand.csv", "--axes", "loglog", "--coarse-left").exit_code == 0
     assert call("plot", made / "sand.csv", "--what", "fabric", "-o", made / "f.png").exit_code == 2
+    missing = call("plot", made / "run.nc", "--what", "fabric", "--load", "3", "-o", made / "f.png")
+    assert missing.exit_code == 2
+    assert "run.nc has no fabric of load 3; list it under fabrics in [output] of the case" in missing.stderr
 
 
 def test_a_run_equals_the_library_and_carries_its_case(folder: Path) -> None:
@@ -163,6 +163,12 @@ ROWS = [
         "psi_max = 0.0\nbins",
         "case.toml [grid]: the largest grain, 2, lies above the grid's top edge, 1.0",
     ),
+    (
+        "case.toml",
+        "first_crush_stress = 1.2",
+        "",
+        "case.toml [load]: a stress is given but first_crush_stress is not set; set it in [material], or give",
+    ),
     ("case.toml", "bins = 100", "bins = 7", "case.toml [grid]: bins is 7; it must be at least 8"),
     ("case.toml", "[material]", "[material]\nfabric_width = 0", "fabric_width is 0; it must be greater than 0"),
     ("case.toml", "[material]", "[material]\nweibull_modulus = -1", "weibull_modulus is -1; it must be greater than 0"),
@@ -246,6 +252,18 @@ def test_options_of_sieve_tables_hold_for_stats_and_plot(folder: Path) -> None:
         assert call(verb, folder / "sand.csv", "--top", "extend", "--number").exit_code == 0
 
 
+@pytest.mark.parametrize(("words", "ending"), [(("run", "case.toml"), "nc"), (("plot", "sand.csv"), "png")])
+def test_an_output_that_cannot_be_is_refused_at_once(words: tuple[str, str], ending: str, folder: Path) -> None:
+    verb, name = words
+    for output, rule in (
+        (folder / "out.txt", "it must end in ."),
+        (folder / "no" / f"out.{ending}", "its folder does"),
+    ):
+        refused = call(verb, folder / name, "-o", output)
+        assert refused.exit_code == 2
+        assert f"--output is '{output}'; {rule}" in refused.stderr
+
+
 def test_cite_and_version() -> None:
     assert "10.1016/j.jmps.2020.103897" in call("cite").output
     assert call("--version").output.strip() == cm.__version__
@@ -262,68 +280,3 @@ def test_without_the_extra_the_command_names_it(library: str) -> None:
         return
     assert done.returncode == 5
     assert done.stderr.strip() == f"comminute needs {library}; install it with: pip install 'comminute[cli]'"
-
-
-def whole_run(folder: Path) -> cm.Result:
-    assert call("run", folder / "case.toml", "-o", folder / "whole.nc").exit_code == 0
-    return cm.open_result(folder / "whole.nc")
-
-
-def stop_after(loads: int, *words: object) -> Result:
-    """Call a command and press Ctrl-C when so many loads are finished."""
-    one_load, count = continuing.one_load, iter(range(100))
-
-    def stop(*args: Any) -> cm.Result:
-        if next(count) == loads:
-            raise KeyboardInterrupt
-        return one_load(*args)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(continuing, "one_load", stop)
-        stopped = call(*words)
-    assert stopped.exit_code == 130
-    return stopped
-
-
-def test_control_c_keeps_the_finished_loads(folder: Path) -> None:
-    (folder / "case.toml").write_text(kills.case(loads=40))
-    whole = whole_run(folder)
-    stopped = stop_after(7, "run", folder / "case.toml")
-    assert "interrupted after 7 finished loads; they are in" in stopped.stderr
-    assert cm.open_result(folder / "run.part.nc").stress_ratio.size == 7
-    assert call("run", folder / "case.toml").exit_code == 3
-    resumed = call("run", folder / "case.toml", "--resume")
-    assert "going on after 7 finished loads" in resumed.output
-    assert cm.open_result(folder / "run.nc") == whole
-    assert sorted(p.name for p in folder.glob("*.nc")) == ["run.nc", "whole.nc"]
-
-
-def test_a_part_of_another_case_is_not_gone_on_from(folder: Path) -> None:
-    assert call("run", folder / "case.toml").exit_code == 0
-    (folder / "run.nc").rename(folder / "run.part.nc")
-    (folder / "case.toml").write_text(CASE.replace("1.2\n", "1.3\n"))
-    refused = call("run", folder / "case.toml", "--resume")
-    assert refused.exit_code == 2
-    assert "run.part.nc belongs to another case; --force without --resume throws it away" in refused.stderr
-    assert call("run", folder / "case.toml", "--force").exit_code == 0
-
-
-def test_a_stopped_overwriting_goes_on_with_force(folder: Path) -> None:
-    assert call("run", folder / "case.toml").exit_code == 0
-    earlier = (folder / "run.nc").read_bytes()
-    (folder / "case.toml").write_text(CASE.replace("1.2\n", "1.3\n"))
-    assert call("run", folder / "case.toml", "-o", folder / "whole.nc").exit_code == 0
-    stop_after(1, "run", folder / "case.toml", "--force")
-    assert (folder / "run.nc").read_bytes() == earlier
-    refused = call("run", folder / "case.toml", "--resume")
-    assert refused.exit_code == 2
-    assert "run.nc belongs to another case; --resume --force overwrites it and goes on from run.part" in refused.stderr
-    resumed = call("run", folder / "case.toml", "--resume", "--force")
-    assert "going on after 1 finished loads" in resumed.output
-    assert cm.open_result(folder / "run.nc") == cm.open_result(folder / "whole.nc")
-
-
-def test_killed_runs_go_on_bit_for_bit(tmp_path: Path) -> None:
-    trials = kills.Trials(tmp_path, loads=25)
-    for forced in (False, True):
-        trials.one([0.7 * trials.seconds, 0.9 * trials.seconds], forced=forced)

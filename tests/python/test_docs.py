@@ -16,6 +16,7 @@ from comminute import (
     comparison_plots,
     continuing,
     curves,
+    equality,
     everyday_plots,
     indices,
     lattice,
@@ -24,12 +25,14 @@ from comminute import (
     plotting,
     reading,
     recipe,
+    remarks,
     results,
     sieves,
     simulation,
     small_ring,
     storage,
     tables,
+    whole_files,
 )
 
 MODULES: tuple[ModuleType, ...] = (
@@ -46,7 +49,7 @@ MODULES: tuple[ModuleType, ...] = (
     results,
     sieves,
 )
-MODULES += (comparison_plots, paper_plots, simulation, small_ring, storage, tables)
+MODULES += (comparison_plots, equality, paper_plots, remarks, simulation, small_ring, storage, tables, whole_files)
 ROOT = Path(__file__).parents[2]
 
 

@@ -1,12 +1,16 @@
 """Results in files: nothing lost, nothing silently wrong, and runs that go on or repeat bit for bit."""
 
+import contextlib
 import pickle
+import signal
+import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import comminute as cm
+from comminute.whole_files import write_whole
 
 xr = pytest.importorskip("xarray")
 pytest.importorskip("h5netcdf")
@@ -135,6 +139,23 @@ def test_damage_is_found(tmp_path: Path) -> None:
         cm.open_result(path)
     with pytest.raises(cm.ParameterError, match=r"none\.nc does not exist"):
         cm.open_result(tmp_path / "none.nc")
+
+
+def test_control_c_is_heard_when_the_file_is_whole(tmp_path: Path) -> None:
+    def write(path: Path) -> None:  # as libraries do in their callbacks
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        path.write_text("whole")
+
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        write_whole(tmp_path / "run.nc", write)
+    assert (tmp_path / "run.nc").read_text() == "whole"
+    assert signal.getsignal(signal.SIGINT) is before
+    in_a_thread = threading.Thread(target=write_whole, args=(tmp_path / "other.nc", lambda path: path.write_text("")))
+    in_a_thread.start()
+    in_a_thread.join()
+    assert (tmp_path / "other.nc").exists()
 
 
 def test_a_write_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
