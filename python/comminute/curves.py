@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 Floats = npt.NDArray[np.float64]
+ENDS_AT_ONE = 1e-6
 ROUNDING = 1e-12  # a curve is a sum: its plateaus and its 1 are good to this
 
 
@@ -119,7 +120,18 @@ class SizeCurve:
         Returns
         -------
         SizeCurve
+
+        Raises
+        ------
+        ParameterError
+            For a cdf that falls or does not end at 1.
         """
+        falls = np.diff(cdf) < -ROUNDING
+        if np.any(falls):
+            k = int(np.argmax(falls))
+            raise ParameterError(f"cdf[{k + 1}] is {cdf[k + 1]:g}, less than {cdf[k]:g} before it; a cdf cannot fall")
+        if not abs(cdf[-1] - 1.0) <= ENDS_AT_ONE:
+            raise ParameterError(f"the last cdf is {cdf[-1]:g}; it must be 1")
         size, finer, tail_slope = _curve_on_grid(grid, np.ascontiguousarray(cdf), points)
         return cls(size, np.append(finer[:-1], 1.0), unit, tail_slope)
 

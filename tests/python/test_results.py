@@ -176,6 +176,20 @@ def test_the_largest_size_of_a_result_is_good_to_a_bin() -> None:
         assert gap.cdf[k][gap.edge_size >= gap.percentile(100)[k]].min() > 1.0 - 1e-12
 
 
+@pytest.mark.parametrize(
+    ("cdf", "words"),
+    [
+        (np.linspace(0.0, 2.0, 66), "the last cdf is 2; it must be 1"),
+        (np.full(66, np.nan), "the last cdf is nan; it must be 1"),
+        (np.linspace(1.0, 0.0, 66), "cdf[1] is 0.984615, less than 1 before it; a cdf cannot fall"),
+    ],
+)
+def test_what_is_no_cdf_makes_no_curve(cdf: np.ndarray, words: str) -> None:
+    with pytest.raises(cm.ParameterError) as refused:
+        cm.SizeCurve.on_grid(GRID, cdf)
+    assert words in str(refused.value)
+
+
 def test_percentiles_in_the_fines_bin_are_refused_or_extrapolated() -> None:
     sim = cm.Simulation(cm.Material(), cm.power_law(2.0, 1e-4, 1.0), grid=cm.LogGrid(-4.0, 0.1, 83))
     with pytest.warns(cm.ResolutionWarning):

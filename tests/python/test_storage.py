@@ -45,6 +45,17 @@ def test_a_file_gives_back_the_result(start: str, tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
 
 
+@pytest.mark.parametrize("replicas", [1, 3])
+def test_a_file_gives_back_the_result_of_a_lattice(replicas: int, tmp_path: Path) -> None:
+    rings = cm.Lattice(100, MATERIAL, cm.gap_graded(2.0, 0.2), replicas=replicas)
+    result = rings.run(stress_ratio=[1.0, 8.0], grid=GRID)
+    again = cm.open_result(result.save(tmp_path / "rings.nc"))
+    assert isinstance(again, cm.LatticeResult)
+    assert again == result
+    continuum = simulation("gap-graded").run(stress_ratio=[1.0, 8.0])
+    assert cm.compare(continuum, again) == cm.compare(continuum, result)
+
+
 def test_a_file_can_be_read_by_others(tmp_path: Path) -> None:
     result = simulation("sieves").run(stress=[1.2, 12.0])
     path = result.save(tmp_path / "run.nc")
