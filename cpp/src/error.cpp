@@ -12,6 +12,13 @@ std::string text(double value) {
     return {digits.data(), end};
 }
 
+std::string rounded(double value) {
+    std::array<char, 32> digits{};
+    const auto end =
+        std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general, 6).ptr;
+    return {digits.data(), end};
+}
+
 void require(bool ok, const char* parameter, double value, const char* rule) {
     if (ok) return;
     throw ParameterError(std::string(parameter) + " is " + text(value) + "; it must be " + rule);

@@ -107,7 +107,7 @@ double Grading::percentile(double percent, bool extrapolate) const {
     if (curve != nullptr && share < curve->finer_than.front() - rounding && !extrapolate) {
         throw ParameterError(
             "D" + text(percent) + " lies below the finest sieve, " + text(curve->size.front()) +
-            (unit.empty() ? "" : " " + unit) + ", which " + text(100.0 * curve->finer_than.front()) +
+            (unit.empty() ? "" : " " + unit) + ", which " + rounded(100.0 * curve->finer_than.front()) +
             " % are finer than; add finer sieves, or pass extrapolate = true to follow the tail");
     }
     return std::visit(
@@ -159,13 +159,13 @@ double percentile(const LogGrid& grid, VectorView<const double> cdf, double perc
     const auto* bin = std::find_if(cdf.begin(), cdf.end(), [&](double f) { return f >= finer - rounding; });
     if (bin == cdf.end()) {
         throw ParameterError(name + " lies above the largest size: only " +
-                             text(100.0 * cdf[cdf.size() - 1]) + " % are finer");
+                             rounded(100.0 * cdf[cdf.size() - 1]) + " % are finer");
     }
     if (bin == cdf.begin()) {
         const CurvePoints curve = curve_on_grid(grid, cdf, points);
         if (extrapolate && finer > 0.0 && curve.tail_slope > 0.0) return curve.first_at_least(finer);
-        throw ParameterError(name + " lies in the fines bin, which holds " + text(100.0 * cdf[0]) +
-                             " % below a size of " + text(std::exp(grid.edge(1))) +
+        throw ParameterError(name + " lies in the fines bin, which holds " + rounded(100.0 * cdf[0]) +
+                             " % below a size of " + rounded(std::exp(grid.edge(1))) +
                              "; lower psi_min to resolve it, or pass extrapolate = true");
     }
     return curve_on_grid(grid, cdf, points).first_at_least(finer);

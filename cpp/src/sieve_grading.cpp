@@ -84,7 +84,8 @@ void close_top(std::vector<Point>& points, const std::string& unit, bool extend,
     const double slope = (last.finer - before.finer) / std::log(last.size / before.size);
     const double top = last.size * std::exp((100.0 - last.finer) / slope);
     points.push_back({top, 100.0, ""});
-    notes.push_back(found + ": the curve is carried on at its last slope to 100 % at " + text(top) + in_unit);
+    notes.push_back(found + ": the curve is carried on at its last slope to 100 % at " + rounded(top) +
+                    in_unit);
 }
 
 // Plateaus at 0 % and at 100 % say nothing but where the grains end.
@@ -101,14 +102,14 @@ double tail_slope(const std::vector<Point>& points, const std::string& unit,
     const std::string in_unit = unit.empty() ? "" : " " + unit;
     const double slope = std::log(next.finer / finest.finer) / std::log(next.size / finest.size);
     const std::string found =
-        text(finest.finer) + " % is finer than the finest sieve, " + text(finest.size) + in_unit;
+        rounded(finest.finer) + " % is finer than the finest sieve, " + text(finest.size) + in_unit;
     if (!(slope > 0.0)) {
         throw ParameterError(found +
                              ", and the curve is flat above it, so no tail can be read from it; add a size "
                              "with 0 % finer");
     }
-    notes.push_back(found + ": it continues as a power law of slope " + text(std::round(1e4 * slope) / 1e4) +
-                    ", through the two finest points");
+    notes.push_back(found + ": it continues as a power law of slope " +
+                    rounded(std::round(1e4 * slope) / 1e4) + ", through the two finest points");
     return slope;
 }
 
@@ -117,7 +118,7 @@ double tail_slope(const std::vector<Point>& points, const std::string& unit,
 void weigh(std::vector<Point>& points, const std::string& unit) {
     if (points[0].finer > 0.0) {
         throw ParameterError(
-            text(points[0].finer) + " % of the grains are finer than the finest sieve, " +
+            rounded(points[0].finer) + " % of the grains are finer than the finest sieve, " +
             text(points[0].size) + (unit.empty() ? "" : " " + unit) +
             "; numbers of grains need a size with 0 % finer, since no mass can be read from an "
             "open tail");

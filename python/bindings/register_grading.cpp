@@ -400,7 +400,8 @@ Examples
         py::arg("points") = std::vector<PointMass>(),
         R"doc(Size D_x such that `percent` of the mass is finer.
 
-inf{d : F(d) >= percent / 100}, linear in ln d inside a bin; on a plateau this is its lower end.
+inf{d : F(d) >= percent / 100}, linear in ln d inside a bin; on a plateau this is its lower end, and D100 is the
+upper edge of the coarsest bin that holds mass, or an exact size where that is all it holds.
 
 Parameters
 ----------

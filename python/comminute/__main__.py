@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 NEEDED = ("typer", "pydantic", "xarray", "h5netcdf", "h5py")
-MISSING_EXTRA = 5
+MISSING_EXTRA, STOPPED = 5, 130
 
 
 def main() -> None:
@@ -17,6 +17,9 @@ def main() -> None:
             raise
         print(f"comminute needs {error.name}; install it with: pip install 'comminute[cli]'", file=sys.stderr)
         sys.exit(MISSING_EXTRA)
+    except KeyboardInterrupt:
+        print("error: interrupted", file=sys.stderr)
+        sys.exit(STOPPED)
     app(prog_name="comminute")
 
 

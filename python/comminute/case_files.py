@@ -195,7 +195,8 @@ def _in_table(name: str, table: str, make: Callable[[], Made]) -> Made:
     try:
         return make()
     except (ParameterError, ShapeError) as error:
-        raise ParameterError(f"{name} [{table}]: {error}") from None
+        message = str(error).replace("set it on the Material", "set it in [material]")
+        raise ParameterError(f"{name} [{table}]: {message}") from None
 
 
 def _material(case: Case) -> Material:
@@ -256,7 +257,7 @@ def _loads(case: Case, path: Path) -> Case:
 def _in_range(loads: LoadRange, where: str) -> list[float]:
     bad = next((x for x in (loads.first, loads.last) if not np.isfinite(x) or x < 0.0), None)
     if bad is not None:
-        raise ParameterError(f"{where}: from or to is {bad:g}; it must be a number of at least 0")
+        raise ParameterError(f"{where}: from or to is {bad:g}; it must be a finite number of at least 0")
     if loads.spacing == "log":
         if not (loads.first > 0.0 and loads.last > 0.0):
             raise ParameterError(f'{where}: from or to is 0; spacing "log" needs both greater than 0')

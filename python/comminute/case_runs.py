@@ -17,7 +17,7 @@ from comminute.case_files import ReadyCase, case_of_text
 from comminute.load_path import load_path
 from comminute.recipe import Recipe
 from comminute.remarks import ResolutionWarning, resolution_warnings
-from comminute.storage import open_result, save_netcdf
+from comminute.storage import open_result, require_netcdf, save_netcdf
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -58,8 +58,10 @@ def claimed(target: Path) -> Iterator[None]:
             lock.unlink(missing_ok=True)
 
 
-def finished_loads(case: ReadyCase, file: Path) -> Result | None:
+def finished_loads(case: ReadyCase, file: Path, remedy: str) -> Result | None:
     """Read what an earlier run of the same case left in a file, whole or in part; None if there is no file.
+
+    `remedy` says what to do about a file of another case.
 
     Raises
     ------
@@ -70,7 +72,7 @@ def finished_loads(case: ReadyCase, file: Path) -> Result | None:
         return None
     result = open_result(file)
     if result.recipe is None or result.recipe.case != case.text():
-        raise ParameterError(f"{file.name} belongs to another case; --force throws it away and starts anew")
+        raise ParameterError(f"{file.name} belongs to another case; {remedy}")
     return result
 
 
@@ -101,6 +103,7 @@ def run_case(
     ResolutionWarning
         As `Simulation.run`.
     """
+    require_netcdf(f"saving {case.target.name}")  # before an hour of loads, and out of the first save's time
     result = earlier
     saved, cost, written = time.monotonic(), 0.0, False
     try:

@@ -6,7 +6,7 @@ import functools
 import json
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated, NoReturn, ParamSpec
 
@@ -41,6 +41,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Number = Annotated[bool, typer.Option("--number", help="The shares of the sieve table count grains.")]
+Top = Annotated[str, typer.Option("--top", help='"extend" closes a sieve curve short of 100 %.')]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
 
 
@@ -118,8 +120,8 @@ def run(
     force: Force = False,
 ) -> None:
     """Run a case, or run a result file again; print a table and write a result file for each run."""
-    if output is not None and output.suffix != ".nc":
-        raise ParameterError(f"--output is '{output}'; it must end in .nc")
+    if output is not None:
+        _require_writable(output, (".nc",))
     if case.suffix == ".nc":
         _run_again(case, output, as_json=as_json, force=force)
         return
@@ -144,14 +146,15 @@ def run(
 def _begun(ready: ReadyCase, *, resume: bool, force: bool) -> tuple[Result | None, Result | None]:
     """Finished loads to go on from, and the result of a run that is complete already."""
     target, part = ready.target, part_of(ready.target)
+    if resume and target.exists() and not force:
+        over_part = f"--resume --force overwrites it and goes on from {part.name}"
+        complete = finished_loads(ready, target, over_part if part.exists() else "--force overwrites it")
+        part.unlink(missing_ok=True)  # a stop between the last two steps of a run leaves it
+        return None, complete
+    if resume:
+        return finished_loads(ready, part, "--force without --resume throws it away and starts anew"), None
     if force:
         return None, None
-    if resume:
-        if target.exists():
-            complete = finished_loads(ready, target)
-            part.unlink(missing_ok=True)  # a stop between the last two steps of a run leaves it
-            return None, complete
-        return finished_loads(ready, part), None
     if target.exists():
         raise OutputExistsError(f"{target} exists; --force overwrites it, --output names another file")
     if part.exists():
@@ -206,14 +209,15 @@ def _run_again(file: Path, output: Path | None, *, as_json: bool, force: bool) -
 @plain_errors
 def stats(
     file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
-    number: Annotated[bool, typer.Option("--number", help="The shares of the sieve table count grains.")] = False,
-    top: Annotated[str, typer.Option("--top", help='"extend" closes a curve short of 100 %.')] = "error",
+    number: Number = False,
+    top: Top = "error",
+    extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Follow the tail below the finest size.")] = False,
     as_json: Json = False,
 ) -> None:
     """Compute the indices of a sieve table, or of every load of a result."""
     from comminute import cli_stats  # noqa: PLC0415  (keeps the other commands quick)
 
-    found = cli_stats.stats_of(file, number=number, top=top)
+    found = cli_stats.stats_of(file, number=number, top=top, extrapolate=extrapolate)
     print(json.dumps(found) if as_json else cli_stats.as_text(found))
 
 
@@ -227,6 +231,8 @@ def plot(
     coarse_left: Annotated[bool, typer.Option("--coarse-left", help="Sizes fall rightwards.")] = False,
     phi: Annotated[bool, typer.Option("--phi", help="Sizes on the phi scale.")] = False,
     load: Annotated[int, typer.Option("--load", help="Index of the load whose fabric is drawn.")] = -1,
+    number: Number = False,
+    top: Top = "error",
     force: Force = False,
 ) -> None:
     """Draw a sieve table or a result to a picture file; no window opens."""
@@ -236,10 +242,10 @@ def plot(
         message = "plot needs matplotlib; install it with: pip install 'comminute[plot]'"
         raise ImportError(message) from error
     target = output or file.with_suffix(".png")
-    if target.suffix not in cli_plots.ENDINGS:
-        raise ParameterError(f"--output is '{target}'; it must end in {', '.join(cli_plots.ENDINGS)}")
+    _require_writable(target, cli_plots.ENDINGS)
     _refuse_existing(target, force)
-    cli_plots.draw(file, target, what=what, axes=axes, coarse_left=coarse_left, phi=phi, load=load)
+    curves = {"axes": axes, "coarse_left": coarse_left, "phi": phi}
+    cli_plots.draw(file, target, what=what, load=load, table={"number": number, "top": top}, **curves)
     print(f"wrote {target}")
 
 
@@ -256,6 +262,13 @@ def doctor(as_json: Json = False) -> None:
     """Print versions and what this installation can do."""
     found = cli_texts.installation()
     print(json.dumps(found) if as_json else "\n".join(f"{name:12} {value}" for name, value in found.items()))
+
+
+def _require_writable(output: Path, endings: Sequence[str]) -> None:
+    if output.suffix not in endings:
+        raise ParameterError(f"--output is '{output}'; it must end in {', '.join(endings)}")
+    if not output.parent.is_dir():
+        raise ParameterError(f"--output is '{output}'; its folder does not exist")
 
 
 def _refuse_existing(file: Path, force: bool) -> None:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from comminute import everyday_plots, plotting
-from comminute._core import Grading, ParameterError
+from comminute._core import ParameterError
+from comminute.cli_stats import read_sieve_table
 from comminute.storage import open_result
 from comminute.whole_files import write_whole
 
@@ -19,7 +20,7 @@ ENDINGS = (".png", ".pdf", ".svg")
 INDICES = ("D50", "Cu", "B", "crushes")
 
 
-def draw(file: Path, target: Path, *, what: str, load: int, **axes: Any) -> None:
+def draw(file: Path, target: Path, *, what: str, load: int, table: dict[str, Any], **axes: Any) -> None:
     """Draw a sieve table or a result to a picture file, whole or not at all."""
     if what not in ("gradings", "fabric", "index"):
         raise ParameterError(f"--what is '{what}'; it must be one of gradings, fabric, index")
@@ -27,7 +28,7 @@ def draw(file: Path, target: Path, *, what: str, load: int, **axes: Any) -> None
     if file.suffix != ".nc":
         if what != "gradings":
             raise ParameterError(f"--what is '{what}', but {file.name} is a sieve table; it has gradings alone")
-        everyday_plots.plot_curves({file.name: Grading.read(file)}, figure.add_subplot(), **axes)
+        everyday_plots.plot_curves({file.name: read_sieve_table(file, **table)}, figure.add_subplot(), **axes)
     else:
         result = open_result(file)
         if what == "gradings":
@@ -36,6 +37,10 @@ def draw(file: Path, target: Path, *, what: str, load: int, **axes: Any) -> None
             if not -result.stress_ratio.size <= load < result.stress_ratio.size:
                 raise ParameterError(
                     f"--load is {load}; it must be an index of a load, 0 to {result.stress_ratio.size - 1}"
+                )
+            if result.fabrics[load] is None:
+                raise ParameterError(
+                    f"{file.name} has no fabric of load {load}; list it under fabrics in [output] of the case"
                 )
             figure = plotting.plot_result(result, load)
         else:

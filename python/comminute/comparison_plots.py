@@ -14,7 +14,7 @@ from comminute._core import Fabric, Material
 from comminute.curves import SizeCurve
 from comminute.lattice_results import Comparison, LatticeResult, compare
 from comminute.paper_plots import CONTOURS, DENSITY_COLOURS, RED, figure_size, zone_edge
-from comminute.plot_style import new_axes
+from comminute.plot_style import Picture, new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -145,7 +145,7 @@ def plot_evolution(
     chosen = list(range(lattice.stress_ratio.size) if loads is None else loads)
     if axes is None:
         size = figure_size(20.0 + 40.0 * len(chosen), 90.0)
-        axes = Figure(figsize=size, layout="constrained").subplots(
+        axes = Picture(figsize=size, layout="constrained").subplots(
             2, len(chosen), sharex=True, sharey=True, squeeze=False
         )
     for row, (name, result) in enumerate((("lattice", lattice), ("continuum", continuum))):
@@ -241,7 +241,7 @@ def plot_comparison(
     """
     count = lattice.stress_ratio.size if loads is None else len(loads)
     if figure is None:
-        figure = Figure(figsize=figure_size(170.0, 165.0), layout="constrained")
+        figure = Picture(figsize=figure_size(170.0, 165.0), layout="constrained")
     narrow = figure.bbox.width / figure.get_dpi() * 25.4 < NARROW
     parts: Any = figure.subfigures(2, 1, height_ratios=(1.8, 1.0) if narrow else (1.25, 1.0))
     states, curves = parts

@@ -9,12 +9,14 @@ import numpy as np
 import numpy.typing as npt
 
 from comminute._core import Grading, LogGrid, ParameterError, PointMass, _curve_on_grid, _first_at_least
+from comminute.equality import same_values
 from comminute.sieves import convert, sieve_sizes, unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
 Floats = npt.NDArray[np.float64]
+ENDS_AT_ONE = 1e-6
 ROUNDING = 1e-12  # a curve is a sum: its plateaus and its 1 are good to this
 
 
@@ -40,6 +42,18 @@ class SieveTable(NamedTuple):
     unit: str
     percent_retained: Floats
     pan: float
+
+    def __eq__(self, other: object) -> bool:
+        """Equal in every number."""
+        return same_values(self, other) if isinstance(other, SieveTable) else NotImplemented
+
+    def __ne__(self, other: object) -> bool:
+        """Different in a number; a tuple's own comparison cannot ask arrays."""
+        return not self == other
+
+    def __hash__(self) -> int:
+        """Refused, as that of any array."""
+        raise TypeError("a SieveTable holds arrays; it has no hash")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -106,7 +120,18 @@ class SizeCurve:
         Returns
         -------
         SizeCurve
+
+        Raises
+        ------
+        ParameterError
+            For a cdf that falls or does not end at 1.
         """
+        falls = np.diff(cdf) < -ROUNDING
+        if np.any(falls):
+            k = int(np.argmax(falls))
+            raise ParameterError(f"cdf[{k + 1}] is {cdf[k + 1]:g}, less than {cdf[k]:g} before it; a cdf cannot fall")
+        if not abs(cdf[-1] - 1.0) <= ENDS_AT_ONE:
+            raise ParameterError(f"the last cdf is {cdf[-1]:g}; it must be 1")
         size, finer, tail_slope = _curve_on_grid(grid, np.ascontiguousarray(cdf), points)
         return cls(size, np.append(finer[:-1], 1.0), unit, tail_slope)
 
@@ -114,8 +139,7 @@ class SizeCurve:
         """Equal in every point."""
         if not isinstance(other, SizeCurve):
             return NotImplemented
-        same = np.array_equal(self.size, other.size) and np.array_equal(self.finer, other.finer)
-        return same and (self.unit, self.tail_slope) == (other.unit, other.tail_slope)
+        return same_values(vars(self).values(), vars(other).values())
 
     __hash__ = None  # type: ignore[assignment]
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Literal
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter
 
@@ -15,6 +14,7 @@ from comminute.breakage import EINAV_DIMENSION
 from comminute.curves import SizeCurve
 from comminute.indices import phi as phi_of
 from comminute.plot_style import LOAD_COLOURS, new_axes, size_label
+from comminute.remarks import load_labels
 from comminute.results import Floats, Result, needs
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 AxesKind = Literal["semilog", "loglog", "rosin-rammler"]
 GUIDE_COLOUR = "#888888"
 PROBABILITIES = (0.1, 1, 5, 10, 20, 36.8, 50, 63.2, 80, 90, 95, 99, 99.9)
+LEGEND_LOADS = 10
 SHOWN = 1e-3  # share of the mass below which the size axis may end
 
 
@@ -80,8 +81,8 @@ def plot_curves(
             (line,) = ax.plot(x[inside], y[inside], **style)
             return line
 
-        line = draw(curve.size, curve.finer, label=name, **own_style)
-        draw(*_tail(curve), **own_style | {"color": line.get_color(), "marker": "", "ls": ":"})
+        line = draw(curve.size, curve.finer, **{"label": name} | own_style)
+        draw(*_tail(curve), **own_style | {"color": line.get_color(), "marker": "", "ls": ":", "label": ""})
     low, high = _size_range([curve for curve, _ in curves.values()])
     _size_axis(ax, low, high, unit, phi=phi, coarse_left=coarse_left)
     _share_axis(ax, axes)
@@ -89,8 +90,9 @@ def plot_curves(
         _draw_guide(ax, low, high, unit, phi=phi)
     ax.grid(alpha=0.3, lw=0.5)
     if len(curves) > 1 or (axes == "loglog" and guide):
-        title = "stress ratio" if isinstance(gradings, Result) else ""
-        place = "upper right" if phi or coarse_left else "upper left"
+        title = load_labels(gradings)[0] if isinstance(gradings, Result) else ""
+        falling = phi or coarse_left
+        place = ("lower " if axes == "loglog" else "upper ") + ("right" if falling != (axes == "loglog") else "left")
         options: dict[str, Any] = {"title": title, "fontsize": "small", "loc": place}
         legend = ax.legend(**options)
         legend.get_title().set_fontsize("small")
@@ -102,12 +104,13 @@ def _curves(gradings: Any) -> dict[str, tuple[SizeCurve, dict[str, Any]]]:
     if isinstance(gradings, Result):
         count = gradings.stress_ratio.size
         found = {"start": (gradings.start_curve, {"color": "k", "ls": "--", "lw": 1.2, "zorder": 3})}
-        for k, load in enumerate(gradings.stress_ratio):
+        every = math.ceil(count / LEGEND_LOADS)
+        for k, name in enumerate(load_labels(gradings)[1]):
             colour = LOAD_COLOURS(0.92 * (1 - k / max(count - 1, 1)))
-            name = f"{load:.4g}"
-            while name in found:  # the same load twice is two curves
-                name += "'"
-            found[name] = (gradings.curve(k), {"color": colour, "lw": 1.4})
+            style = {"color": colour, "lw": 1.4}
+            if (count - 1 - k) % every:
+                style["label"] = ""  # so many names would hide the curves; the colours go evenly from first to last
+            found[name] = (gradings.curve(k), style)
         return found
     named = gradings if isinstance(gradings, dict) else {"": gradings}
     marks = {name: "o" if isinstance(g, Grading) and "sieves" in repr(g) else "" for name, g in named.items()}
@@ -149,7 +152,8 @@ def _size_axis(ax: Axes, low: float, high: float, unit: str, *, phi: bool, coars
     ax.set(xscale="log", xlim=(high, low) if coarse_left else (low, high), xlabel=size_label("grainsize", unit))
     if high / low < 1e3:
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    if high / low < 1e5:  # over more decades powers of ten are shorter
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
@@ -200,14 +204,13 @@ def plot_index(
     """
     ax = new_axes() if ax is None else ax
     label, values = _index_values(result, index)
-    known = result.stress is not None
     loads = result.stress if result.stress is not None else result.stress_ratio
-    unit = result.recipe.stress_unit if result.recipe else ""
     style: dict[str, Any] = {"marker": "o", "ms": 4, "lw": 1.4, "color": "#33638d"} | options
     ax.plot(loads, values, **style)
     scale = "log" if loads.min() > 0.0 and loads.max() > 10.0 * loads.min() else "linear"
-    ax.set(xscale=scale, xlabel=f"stress ({unit})" if known and unit else "stress" if known else "stress ratio")
-    ax.set_ylabel(label)
+    ax.set(xscale=scale, xlabel=load_labels(result)[0], ylabel=label)
+    if scale == "log":
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     if label.startswith(("D", "Cu")) and values.min() > 0.0 and values.max() > 10.0 * values.min():
         ax.set_yscale("log")
     ax.grid(alpha=0.3, lw=0.5)
@@ -253,24 +256,21 @@ def slider(result: Result) -> Any:
     kept = [k for k, fabric in enumerate(result.fabrics) if fabric is not None]
     if not kept:
         raise ParameterError("no fabric was kept, so there is nothing to slide over; run with keep_fabrics = 'all'")
-    options = [(f"{result.stress_ratio[k]:.4g}", k) for k in kept]
-    control = ipywidgets.SelectionSlider(options=options, value=kept[-1], description="stress ratio")
+    quantity, names = load_labels(result)
+    options = [(names[k], k) for k in kept]
+    control = ipywidgets.SelectionSlider(
+        options=options,
+        value=kept[-1],
+        description=quantity,
+        continuous_update=False,  # a picture takes longer than a drag over many loads
+        style={"description_width": "initial"},
+    )
     picture = ipywidgets.Image(format="png")
 
     def draw(change: Any) -> None:
         del change
-        picture.value = png(plot_result(result, control.value))
+        picture.value = plot_result(result, control.value).png()
 
     control.observe(draw, names="value")
     draw(None)
     return ipywidgets.VBox([control, picture])
-
-
-def png(figure: Figure) -> bytes:
-    """Bytes of a picture of a figure, drawn without a display."""
-    import io  # noqa: PLC0415  (for this alone)
-
-    target = io.BytesIO()
-    with mpl.rc_context({"savefig.dpi": 100}):
-        figure.savefig(target, format="png")
-    return target.getvalue()

@@ -264,6 +264,7 @@ class Rings:
             engine=type(self).__name__,
             scheme="no bins",
             fabrics=tuple(records.fabrics),
+            points=((),) * done,
             cells=self.cells,
             replicas=self.replicas,
             seed=self.seed,

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from comminute._core import ParameterError
+from comminute.equality import same_values
 from comminute.results import Result
 
 Floats = npt.NDArray[np.float64]
@@ -57,7 +58,7 @@ def mean_and_error(samples: Floats) -> tuple[Floats, Floats]:
     return mean, np.asarray(np.std(samples, axis=0, ddof=1) / math.sqrt(count), dtype=np.float64)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Comparison:
     """How far two sets of grading curves are apart, load by load; see `compare`.
 
@@ -77,6 +78,14 @@ class Comparison:
     distance: Floats
     standard_error: Floats
     size: Floats
+
+    def __eq__(self, other: object) -> bool:
+        """Equal in every number."""
+        if not isinstance(other, Comparison):
+            return NotImplemented
+        return same_values(vars(self).values(), vars(other).values())
+
+    __hash__ = None  # type: ignore[assignment]
 
 
 def compare(result: Result, lattice_result: LatticeResult) -> Comparison:

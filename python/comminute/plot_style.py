@@ -1,7 +1,8 @@
-"""What the plots share: axes that no window shows, colours of loads, labels of sizes. Needs matplotlib."""
+"""What the plots share: pictures that no window shows, colours of loads, labels of sizes. Needs matplotlib."""
 
 from __future__ import annotations
 
+import io
 from typing import TYPE_CHECKING
 
 import matplotlib as mpl
@@ -11,6 +12,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 LOAD_COLOURS = mpl.colormaps["viridis"]
+
+
+class Picture(Figure):
+    """A figure that no window shows, but a notebook does, whether pyplot is there or not."""
+
+    def png(self) -> bytes:
+        """Bytes of a picture file, 100 dots to the inch."""
+        target = io.BytesIO()
+        self.savefig(target, format="png", dpi=100)
+        return target.getvalue()
+
+    _repr_png_ = png
 
 
 def new_axes() -> Axes:
@@ -26,7 +39,7 @@ def new_axes() -> Axes:
     >>> new_axes().figure.axes == []
     False
     """
-    return Figure(figsize=(3.4, 3.2), layout="constrained").add_subplot()
+    return Picture(figsize=(3.4, 3.2), layout="constrained").add_subplot()
 
 
 def size_label(name: str, unit: str) -> str:

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 
 from comminute._core import Fabric, Material
 from comminute.comparison_plots import (
@@ -29,7 +28,7 @@ from comminute.paper_plots import (
     plot_zones,
     zone_edge,
 )
-from comminute.plot_style import new_axes, size_label
+from comminute.plot_style import Picture, new_axes, size_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,6 +57,7 @@ MARGINAL_COLOUR = "#33638d"
 POINT_COLOUR = "#222222"
 RIDGE_COLOUR = "#e69f00"
 POINT_MASS = 0.01
+SHOWN_TAIL = 1e-3  # share of the mass, the finest, that need not be in the picture
 
 
 def _visible_range(pmf: Floats, edges: Floats, tail: float) -> tuple[float, float]:
@@ -101,7 +101,7 @@ def plot_fabric(
     ax = new_axes() if ax is None else ax
     grid = fabric.grid
     density = fabric.probability / grid.spacing**2
-    low, high = _visible_range(fabric.grainsize(), grid.edges, 1e-3)
+    low, high = _visible_range(fabric.grainsize(), grid.edges, SHOWN_TAIL)
     spread = density[density > 0.0]
     top = float(np.quantile(spread, 0.999)) if spread.size else 1.0  # the few cells of point masses apart
     image = ax.pcolormesh(
@@ -167,7 +167,7 @@ def _draw_zone(ax: Axes, fabric: Fabric, material: Material, stress_ratio: float
     psi, psibar = zone_edge(material, stress_ratio, fabric.grid.psi_max + 0.5)
     upper = psi >= psibar
     larger, smaller = psi[upper], psibar[upper]
-    ax.plot(larger, smaller, color=ZONE_COLOUR, lw=1.0, label=f"crush zone at {stress_ratio:g}")
+    ax.plot(larger, smaller, color=ZONE_COLOUR, lw=1.0, label=f"crush zone at stress ratio {stress_ratio:g}")
     ax.plot(smaller, larger, color=ZONE_COLOUR, lw=1.0)
 
 
@@ -193,7 +193,7 @@ def _spread_height(pmf: Floats) -> float:
     return 1.1 * float(spread.max() if spread.any() else pmf.max())
 
 
-def plot_result(result: Result, load: int = -1) -> Figure:
+def plot_result(result: Result, load: int = -1) -> Picture:
     """Grading curves (left) and the fabric after one load with its marginals and crush zone (right).
 
     Parameters
@@ -206,11 +206,14 @@ def plot_result(result: Result, load: int = -1) -> Figure:
     -------
     matplotlib.figure.Figure
     """
-    figure = Figure(figsize=(10.0, 4.6), layout="constrained")
+    figure = Picture(figsize=(10.0, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
     plot_curves(result, left)
     fabric = result.fabric(load)
     at_rest_under = fabric.settled_at
     stress_ratio = float(result.stress_ratio[load]) if at_rest_under is None else at_rest_under
     plot_fabric(fabric, right, material=result.material, stress_ratio=stress_ratio, unit=result.unit)
+    ranges = [_visible_range(pmf, result.grid.edges, SHOWN_TAIL) for pmf in (result.start.grainsize(), *result.pmf)]
+    low, high = min(low for low, _ in ranges), max(high for _, high in ranges)
+    right.set(xlim=(low, high), ylim=(low, high))  # of all loads, so that their pictures can be laid side by side
     return figure

@@ -18,6 +18,7 @@ Top = Literal["error", "extend"]
 VALUES = ("percent_finer", "percent_retained", "percent_cumulative_retained", "mass_retained_g")
 ALIASES = {"percent_passing": "percent_finer", "percent_coarser": "percent_cumulative_retained"}
 SIZES = ("size_mm", "size_um", "size_cm", "size_m", "size_in", "phi", "sieve")
+SIZE_WORDS = "sieve|sieve_size|sieve_opening|opening|aperture|diameter|grainsize|grain_size"  # before a unit
 ROUNDED = 0.5  # per cent by which a laboratory's rounded shares may miss 100
 
 
@@ -101,8 +102,7 @@ def _columns(table: Table) -> tuple[int, str, str, int, str, list[str]]:
     """Where sizes and values stand and what they are called, unit of the sizes, and columns without a use."""
     found_sizes, found_values, unused = [], [], []
     for index, raw in table.columns():
-        name = re.sub(r"[()\[\]]", "", raw)
-        name = ALIASES.get(name, name)
+        name = _usual(raw)
         unit = unit_of(name.removeprefix("size_")) if name.startswith("size_") else ""
         if unit or name in ("phi", "sieve"):
             found_sizes.append((index, name, unit or "mm"))
@@ -118,13 +118,23 @@ def _columns(table: Table) -> tuple[int, str, str, int, str, list[str]]:
     return (*found_sizes[0], *found_values[0], unused)
 
 
+def _usual(name: str) -> str:
+    """Bring "% passing", "Passing (%)" and "sieve opening (mm)" to the names that this module knows."""
+    words = [word for word in re.split(r"[_()\[\]]+", name.replace("%", "_percent_")) if word]
+    if "percent" in words:
+        words = ["percent", *(word for word in words if word != "percent")]
+    plain = "_".join(words)
+    plain = re.sub(rf"^({SIZE_WORDS})_(?=[^_]+$)", "size_", plain)
+    return ALIASES.get(plain, plain)
+
+
 def _wrong_header(kind: str, found: list[str], known: tuple[str, ...], unused: list[str]) -> str:
     """Say what a header lacks or has too much of, with the nearest name that would do."""
     if found:
         return f": {' and '.join(found)} are both named; leave one {kind} column"
     if kind == "size" and "size" in (name.lower() for name in unused):
         return ": the size column has no unit; name it size_mm or size_um"
-    near = [(name, difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.6)) for name in unused]
+    near = [(name, difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.5)) for name in unused]
     meant = next((f"; did you mean {match[0]} by '{name}'?" for name, match in near if match), "")
     return f": the header names no {kind} column; it must name one of {', '.join(known)}{meant}"
 

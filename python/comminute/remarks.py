@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from comminute._core import CrushZones, LogGrid, Material
+
+if TYPE_CHECKING:
+    from comminute.results import Result
 
 Floats = npt.NDArray[np.float64]
 
@@ -16,6 +20,21 @@ FINES_LIMIT = 0.01  # share of the mass in the fines bin above which a result wa
 
 class ResolutionWarning(UserWarning):
     """Curves near the grid's lower end are not to be trusted; the message says below which size."""
+
+
+def load_labels(result: Result) -> tuple[str, list[str]]:
+    """Quantity of the loads with its unit, stress where it is known, and a text for each, none twice."""
+    quantity, loads = "stress ratio", result.stress_ratio
+    if result.stress is not None:
+        unit = result.recipe.stress_unit if result.recipe else ""
+        quantity, loads = f"stress ({unit})" if unit else "stress", result.stress
+    texts = list[str]()
+    for load in loads:
+        text = f"{float(f'{load:.4g}'):g}"  # four digits, and 10000 rather than 1e+04
+        while text in texts:  # the same load again, after a remixing or unloading
+            text += "'"
+        texts.append(text)
+    return quantity, texts
 
 
 def explained(loads: Floats, crushes: Floats) -> list[str]:

@@ -23,6 +23,7 @@ from comminute._core import (
     percentile,
 )
 from comminute.curves import SizeCurve
+from comminute.equality import same_values
 from comminute.recipe import Recipe
 from comminute.whole_files import write_whole
 
@@ -135,6 +136,10 @@ class Result:
     def percentile(self, percent: float, *, extrapolate: bool = False) -> Floats:
         """Size D_x after each load, such that `percent` of the mass is finer; see `comminute.percentile`.
 
+        Mass in a bin is even in ln d between its edges, so D100 is the upper edge of the coarsest bin that holds
+        mass (more than 1e-12 of it): above the largest grain, but by less than a bin. Where only an exact size is
+        left there, as in a gap-graded packing before its coarse grains crush, D100 is that size.
+
         Parameters
         ----------
         percent : float
@@ -205,11 +210,7 @@ class Result:
         """Equal in every number and setting."""
         if not isinstance(other, Result):
             return NotImplemented
-        mine, theirs = self.__dict__, other.__dict__
-        return all(
-            np.array_equal(value, theirs[name]) if isinstance(value, np.ndarray) else value == theirs[name]
-            for name, value in mine.items()
-        )
+        return type(self) is type(other) and same_values(vars(self).values(), vars(other).values())
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -308,7 +309,9 @@ class Result:
         Returns
         -------
         Result
-            All loads, the old and the new: equal to one run through all of them on this grid.
+            All loads, the old and the new: equal to one run through all of them on this grid, in every bit where
+            that run and this result keep all fabrics, so that every load starts from the fabric after the one
+            before. A run that keeps fewer solves from the last one that it kept: equal to rounding, some 1e-15.
 
         Raises
         ------

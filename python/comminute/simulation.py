@@ -26,6 +26,10 @@ class Interrupted(KeyboardInterrupt):
         super().__init__(f"interrupted after {done} finished loads; they are in .result")
         self.result = result
 
+    def __reduce__(self) -> tuple[type[Interrupted], tuple[Result | None]]:
+        """Pickle by what it was made of; exceptions go by their message otherwise."""
+        return Interrupted, (self.result,)
+
 
 class Simulation:
     """A material and a start, ready to be loaded.

@@ -143,6 +143,15 @@ class SmallRing:
         neighbour = np.exp(0.5 * (left + right)) if self.mean == "geometric" else 0.5 * (np.exp(left) + np.exp(right))
         return critical_stress_ratio(self.material, np.exp(psi[cell]), neighbour)
 
+    def __eq__(self, other: object) -> bool:
+        """Equal in everything that a step depends on."""
+        return isinstance(other, SmallRing) and self._settings() == other._settings()
+
+    def _settings(self) -> tuple[object, ...]:
+        return self.cells, self.grid, self.material, self.mean, self.fragment_rule
+
+    __hash__ = None  # type: ignore[assignment]
+
     def __repr__(self) -> str:
         return (
             f"SmallRing({self.cells}, {self.grid}, {self.material}, mean='{self.mean}', "

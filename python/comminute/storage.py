@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,12 +13,14 @@ import numpy as np
 
 from comminute._core import Fabric, LogGrid, ParameterError, PointMass, __version__
 from comminute.fabric_storage import START, columns, fabric_variables, fabrics_of, rows_of
+from comminute.lattice_results import LatticeResult
 from comminute.recipe import Recipe, grid_record, material_of, material_record, report_of, report_record
 from comminute.results import Result, needs
 from comminute.tables import is_file, shorten
 from comminute.whole_files import write_whole
 
 LAYOUT = "comminute result 1"
+RINGS = ("cells", "replicas", "seed")
 SEAL = b"comminute sha256 "
 SEAL_SIZE = len(SEAL) + 64 + 1
 PACKING = {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True, "_FillValue": None}
@@ -53,6 +56,9 @@ def to_dataset(result: Result) -> Any:
     }
     points = [[k, *point] for k, exact in enumerate(result.points) for point in exact]
     variables |= columns("point", points, {"load": "load index", "psi": "exact log grainsize", "mass": "mass fraction"})
+    if isinstance(result, LatticeResult):
+        variables["cdf_error"] = (("load", "psi"), result.cdf_error, {"long_name": "standard error of cdf"})
+        variables["crushes_error"] = ("load", result.crushes_error, {"long_name": "standard error of crushes"})
     kept = [k for k, fabric in enumerate(result.fabrics) if fabric is not None]
     variables |= fabric_variables({START: result.start} | {k: result.fabric(k) for k in kept})
     if kept:
@@ -79,6 +85,7 @@ def _attributes(result: Result) -> dict[str, Any]:
         "notes": json.dumps(list(result.notes)),
         "warnings": json.dumps(list(result.warnings)),
         "reports": json.dumps([report_record(report) for report in result.reports]),
+        "lattice": json.dumps({name: getattr(result, name) for name in RINGS if isinstance(result, LatticeResult)}),
         "recipe": "" if result.recipe is None else result.recipe.to_json(),
         "case": "" if result.recipe is None else result.recipe.case,
     }
@@ -106,14 +113,20 @@ def _require_sealed(file: Path) -> None:
     )
 
 
+def require_netcdf(wanted_for: str) -> Any:
+    """Load what reads and writes NetCDF, and give xarray; where something is missing, say what to install."""
+    try:
+        import h5netcdf  # noqa: F401, PLC0415  (optional dependencies)
+        import h5py  # noqa: F401, PLC0415
+        import xarray as xr  # noqa: PLC0415
+    except ImportError as error:
+        raise needs("io", "xarray, h5netcdf and h5py", wanted_for) from error
+    return xr
+
+
 def save_netcdf(result: Result, path: Path) -> Path:
     """Write a result to a NetCDF file; see `Result.save`."""
-    try:
-        import h5netcdf  # noqa: F401, PLC0415
-        import h5py  # noqa: F401, PLC0415
-        import xarray  # noqa: F401, PLC0415
-    except ImportError as error:
-        raise needs("io", "xarray, h5netcdf and h5py", f"saving {path.name}") from error
+    require_netcdf(f"saving {path.name}")
     data = to_dataset(result)
     packing = {name: PACKING if data[name].ndim else {} for name in data.variables}
 
@@ -150,12 +163,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     >>> cm.open_result(path) == result
     True
     """
-    try:
-        import h5netcdf  # noqa: F401, PLC0415
-        import h5py  # noqa: F401, PLC0415
-        import xarray as xr  # noqa: PLC0415
-    except ImportError as error:
-        raise needs("io", "xarray, h5netcdf and h5py", "open_result") from error
+    xr = require_netcdf("open_result")
     file = Path(path)
     if not is_file(file):
         raise ParameterError(f"{shorten(str(file), 200)} does not exist; give a result file (.nc)")
@@ -182,7 +190,10 @@ def _result(data: Any) -> Result:
     points: list[list[PointMass]] = [[] for _ in fabrics]
     for load, psi, mass in rows_of(values, "point", ("load", "psi", "mass")):
         points[int(load)].append(PointMass(psi, mass))
-    return Result(
+    rings: dict[str, Any] = json.loads(texts["lattice"])
+    if rings:
+        rings |= {name: values[name] for name in ("cdf_error", "crushes_error")}
+    made_again: Result = (partial(LatticeResult, **rings) if rings else Result)(
         material=material_of(json.loads(texts["material"])),
         grid=grid,
         start=made[START],
@@ -201,3 +212,4 @@ def _result(data: Any) -> Result:
         reports=tuple(report_of(record) for record in json.loads(texts["reports"])),
         recipe=Recipe.from_json(texts["recipe"]) if texts["recipe"] else None,
     )
+    return made_again

@@ -168,7 +168,12 @@ MESSAGES = [
     ('kind = "gap-graded"', "", 'case.toml [grading]: give file = "sand.csv" or kind, one of monodisperse, gap-graded'),
     ("steps = 3 }", "steps = 3 }\nstress_ratio = 1.0", "case.toml [load]: stress and stress_ratio given; give one of"),
     ("stress = {", "# {", "case.toml [load]: none given; give one of stress, stress_ratio, file"),
-    ("from = 1.2", "from = -1.2", "case.toml [load] stress: from or to is -1.2; it must be a number of at least 0"),
+    (
+        "from = 1.2",
+        "from = -1.2",
+        "case.toml [load] stress: from or to is -1.2; it must be a finite number of at least 0",
+    ),
+    ("to = 120.0", "to = inf", "from or to is inf; it must be a finite number of at least 0"),
     ("from = 1.2", "from = 0", 'from or to is 0; spacing "log" needs both greater than 0'),
     (
         "{ from = 1.2, to = 120.0, steps = 3 }",

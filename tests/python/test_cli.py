@@ -1,13 +1,9 @@
-"""The command line as its users meet it: words, exit codes, files, and what survives a stop."""
+"""The command line as its users meet it: words, exit codes, and files."""
 
 import json
-import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +15,6 @@ pytest.importorskip("h5netcdf")
 
 from typer.testing import CliRunner, Result
 
-from comminute import continuing
 from comminute.cli import app
 
 CASE = """
@@ -47,10 +42,6 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def command(*words: object) -> list[str]:
-    return [sys.executable, "-m", "comminute", *(str(word) for word in words)]
-
-
 def test_new_check_run_stats_plot(tmp_path: Path) -> None:
     made = tmp_path / "mine"
     assert call("new", made).exit_code == 0
@@ -70,12 +61,18 @@ def test_new_check_run_stats_plot(tmp_path: Path) -> None:
     assert stats["unit"] == "mm"
     assert stats["gradings"][0]["D50"] == pytest.approx(0.5 * 2**0.5, rel=1e-3)
     assert stats["gradings"][-1]["Einav B"] > 0.0
+    assert (stats["gradings"][-1]["stress"], stats["gradings"][-1]["stress_ratio"]) == (120.0, 100.0)
+    table = call("stats", made / "run.nc").output.splitlines()
+    assert " ".join(table[1].split()) == "stress (MPa) start 1.2 2.134 3.795 6.748 12 21.34 37.95 67.48 120"
     for what in ("gradings", "fabric", "index"):
         assert call("plot", made / "run.nc", "--what", what, "-o", made / f"{what}.png").exit_code == 0
         assert (made / f"{what}.png").stat().st_size > 10_000
     assert call("plot", made / "run.nc", "-o", made / "index.png").exit_code == 3
     assert call("plot", made / "sand.csv", "--axes", "loglog", "--coarse-left").exit_code == 0
     assert call("plot", made / "sand.csv", "--what", "fabric", "-o", made / "f.png").exit_code == 2
+    missing = call("plot", made / "run.nc", "--what", "fabric", "--load", "3", "-o", made / "f.png")
+    assert missing.exit_code == 2
+    assert "run.nc has no fabric of load 3; list it under fabrics in [output] of the case" in missing.stderr
 
 
 def test_a_run_equals_the_library_and_carries_its_case(folder: Path) -> None:
@@ -166,6 +163,12 @@ ROWS = [
         "psi_max = 0.0\nbins",
         "case.toml [grid]: the largest grain, 2, lies above the grid's top edge, 1.0",
     ),
+    (
+        "case.toml",
+        "first_crush_stress = 1.2",
+        "",
+        "case.toml [load]: a stress is given but first_crush_stress is not set; set it in [material], or give",
+    ),
     ("case.toml", "bins = 100", "bins = 7", "case.toml [grid]: bins is 7; it must be at least 8"),
     ("case.toml", "[material]", "[material]\nfabric_width = 0", "fabric_width is 0; it must be greater than 0"),
     ("case.toml", "[material]", "[material]\nweibull_modulus = -1", "weibull_modulus is -1; it must be greater than 0"),
@@ -223,6 +226,44 @@ def test_what_is_allowed_but_may_surprise_is_said(change: tuple[str, str, str], 
     assert words in done.output
 
 
+def test_a_coarse_finest_sieve_is_said_once_and_followed_on_request(folder: Path) -> None:
+    (folder / "sand.csv").write_text("size_mm,percent_retained\n4,0\n2,12.5\n0.4,60\npan,27.5\n")
+    short = call("stats", folder / "sand.csv")
+    assert short.exit_code == 0
+    assert short.output.splitlines()[-1] == (
+        "-: D5, D10, D16, D25 lie below the finest size of the curve, 0.4 mm, which 27.5 % are finer than; "
+        "--extrapolate follows the tail"
+    )
+    assert "note: 27.5 % is finer than the finest sieve" in short.output
+    followed = json.loads(call("stats", folder / "sand.csv", "--extrapolate", "--json").output)
+    sand = cm.Grading.read(folder / "sand.csv")
+    (row,) = followed["gradings"]
+    assert row["D10"] == pytest.approx(sand.percentile(10, extrapolate=True))
+    assert row["Cu"] == pytest.approx(cm.uniformity(sand, extrapolate=True))
+    assert row["because"] == {}
+
+
+def test_options_of_sieve_tables_hold_for_stats_and_plot(folder: Path) -> None:
+    (folder / "sand.csv").write_text("size_mm,percent_finer\n2,95\n1,60\n0.5,0\n")
+    for verb in ("stats", "plot"):
+        refused = call(verb, folder / "sand.csv")
+        assert refused.exit_code == 2
+        assert "or pass --top extend to carry the last slope on" in refused.stderr
+        assert call(verb, folder / "sand.csv", "--top", "extend", "--number").exit_code == 0
+
+
+@pytest.mark.parametrize(("words", "ending"), [(("run", "case.toml"), "nc"), (("plot", "sand.csv"), "png")])
+def test_an_output_that_cannot_be_is_refused_at_once(words: tuple[str, str], ending: str, folder: Path) -> None:
+    verb, name = words
+    for output, rule in (
+        (folder / "out.txt", "it must end in ."),
+        (folder / "no" / f"out.{ending}", "its folder does"),
+    ):
+        refused = call(verb, folder / name, "-o", output)
+        assert refused.exit_code == 2
+        assert f"--output is '{output}'; {rule}" in refused.stderr
+
+
 def test_cite_and_version() -> None:
     assert "10.1016/j.jmps.2020.103897" in call("cite").output
     assert call("--version").output.strip() == cm.__version__
@@ -239,81 +280,3 @@ def test_without_the_extra_the_command_names_it(library: str) -> None:
         return
     assert done.returncode == 5
     assert done.stderr.strip() == f"comminute needs {library}; install it with: pip install 'comminute[cli]'"
-
-
-LONG = CASE.replace("[1.2, 12.0, 24.0]", "{ from = 1.2, to = 1200.0, steps = 40 }").replace("100", "150")
-LONG += '[engine]\nname = "full-convolution"\n'  # slow enough to be stopped in the middle
-
-
-def whole_run(folder: Path) -> cm.Result:
-    assert call("run", folder / "case.toml", "-o", folder / "whole.nc").exit_code == 0
-    return cm.open_result(folder / "whole.nc")
-
-
-def test_control_c_keeps_the_finished_loads(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (folder / "case.toml").write_text(LONG)
-    whole = whole_run(folder)
-    one_load, count = continuing.one_load, iter(range(100))
-
-    def stop(*args: Any) -> cm.Result:
-        if next(count) == 7:
-            raise KeyboardInterrupt
-        return one_load(*args)
-
-    monkeypatch.setattr(continuing, "one_load", stop)
-    stopped = call("run", folder / "case.toml")
-    monkeypatch.undo()
-    assert stopped.exit_code == 130
-    assert "interrupted after 7 finished loads; they are in" in stopped.stderr
-    assert cm.open_result(folder / "run.part.nc").stress_ratio.size == 7
-    assert call("run", folder / "case.toml").exit_code == 3
-    resumed = call("run", folder / "case.toml", "--resume")
-    assert "going on after 7 finished loads" in resumed.output
-    assert cm.open_result(folder / "run.nc") == whole
-    assert sorted(p.name for p in folder.glob("*.nc")) == ["run.nc", "whole.nc"]
-
-
-def test_a_part_of_another_case_is_not_gone_on_from(folder: Path) -> None:
-    assert call("run", folder / "case.toml").exit_code == 0
-    (folder / "run.nc").rename(folder / "run.part.nc")
-    (folder / "case.toml").write_text(CASE.replace("1.2\n", "1.3\n"))
-    refused = call("run", folder / "case.toml", "--resume")
-    assert refused.exit_code == 2
-    assert "run.part.nc belongs to another case; --force throws it away" in refused.stderr
-
-
-def kill_and_resume(folder: Path, seconds: float, whole: cm.Result) -> int:
-    """Kill a run after a time, see that earlier output is as it was, resume; returns the finished loads found."""
-    for name in ("run.nc", "run.part.nc"):
-        (folder / name).unlink(missing_ok=True)
-    earlier = (folder / "whole.nc").read_bytes()
-    process = subprocess.Popen(
-        command("run", folder / "case.toml"), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    time.sleep(seconds)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    assert (folder / "whole.nc").read_bytes() == earlier
-    part = folder / "run.part.nc"
-    found = cm.open_result(part).stress_ratio.size if part.exists() else 0
-    if (folder / "run.nc").exists():
-        found = whole.stress_ratio.size
-    resumed = subprocess.run(
-        command("run", folder / "case.toml", "--resume"), capture_output=True, text=True, check=False
-    )
-    assert resumed.returncode == 0, resumed.stderr
-    assert cm.open_result(folder / "run.nc") == whole
-    assert sorted(p.name for p in folder.iterdir()) == ["case.toml", "run.nc", "sand.csv", "whole.nc"]
-    return found
-
-
-def test_a_killed_run_goes_on_bit_for_bit(folder: Path) -> None:
-    times = int(os.environ.get("COMMINUTE_KILLS", "2"))
-    (folder / "case.toml").write_text(LONG if times < 10 else LONG.replace("steps = 40", "steps = 400"))
-    whole = whole_run(folder)
-    chance = np.random.default_rng(7)
-    begun = time.monotonic()
-    subprocess.run(command("run", folder / "case.toml"), stdout=subprocess.DEVNULL, check=True)
-    seconds = time.monotonic() - begun
-    found = [kill_and_resume(folder, float(chance.uniform(0.3, 1.0)) * seconds, whole) for _ in range(times)]
-    print("finished loads at the kill:", found)

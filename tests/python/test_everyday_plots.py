@@ -1,5 +1,6 @@
 """What the everyday plots draw, on which axes."""
 
+import dataclasses
 import subprocess
 import sys
 
@@ -12,7 +13,8 @@ pytest.importorskip("matplotlib")
 
 from matplotlib.lines import Line2D
 
-from comminute import everyday_plots
+from comminute import everyday_plots, plotting
+from comminute.remarks import load_labels
 
 SAND = cm.Grading.from_sieves([2.0, 1.6, 1.0, 0.5, 0.16, 0.08], [100, 93, 67, 33, 13, 1], unit="mm")
 MATERIAL = cm.Material(reference_size=2.0, first_crush_stress=1.2)
@@ -75,7 +77,8 @@ def test_every_axis_option(result: cm.Result) -> None:
 def test_a_result_draws_its_start_and_every_load(result: cm.Result) -> None:
     ax = everyday_plots.plot_curves(result)
     texts = [text.get_text() for text in ax.get_legend().get_texts()]  # type: ignore[union-attr]
-    assert texts == ["start", "1", "10", "100"]
+    assert texts == ["start", "1.2", "12", "120"]
+    assert ax.get_legend().get_title().get_text() == "stress"  # type: ignore[union-attr]
     again = everyday_plots.plot_curves(result, ax)
     assert again is ax
 
@@ -105,11 +108,57 @@ def test_an_index_of_ones_own_and_one_that_is_none(result: cm.Result) -> None:
 def test_the_slider_goes_over_the_kept_loads(result: cm.Result) -> None:
     pytest.importorskip("ipywidgets")
     control, picture = result.slider().children
-    assert [label for label, _ in control.options] == ["1", "100"]
-    before = picture.value
-    assert bytes(before).startswith(b"\x89PNG")
-    control.value = 0
-    assert picture.value != before
+    assert control.description == "stress"
+    assert control.options == (("1.2", 0), ("120", 2))
+    assert control.value == 2
+    assert bytes(picture.value) == plotting.plot_result(result, 2).png()
+    control.index = 0
+    assert bytes(picture.value) == plotting.plot_result(result, 0).png()
+    with pytest.raises(cm.ParameterError, match="no fabric was kept, so there is nothing to slide over"):
+        dataclasses.replace(result, fabrics=(None,) * 3).slider()
+
+
+def test_pictures_of_one_result_lie_side_by_side(result: cm.Result) -> None:
+    first, last = (result.plot(k).axes[1] for k in (0, 2))
+    assert first.get_xlim() == last.get_xlim() == first.get_ylim()
+    for pmf in result.pmf:  # all but a thousandth, the finest, is in the picture
+        assert pmf[result.psi < first.get_xlim()[0]].sum() < 1e-3
+
+
+def test_loads_are_named_once_and_not_too_often(result: cm.Result) -> None:
+    sim = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1), grid=cm.LogGrid(-9.0, 0.0, 91))
+    again = sim.run(stress_ratio=[8, 80, 80, 8], remix_after=[1])
+    assert load_labels(again) == ("stress ratio", ["8", "80", "80'", "8'"])
+    legend = everyday_plots.plot_curves(sim.run(stress_ratio=np.geomspace(1, 100, 25))).get_legend()
+    texts = [text.get_text() for text in legend.get_texts()]  # type: ignore[union-attr]
+    assert (texts[0], texts[1], texts[-1]) == ("start", "1", "100")
+    assert len(texts) == 10
+
+
+NOTEBOOK = (
+    """
+import comminute as cm
+result = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1)).run(stress_ratio=[1, 8])
+box = result.slider()
+box
+""",
+    "box.children[0].index = 0\nresult.plot(0)",
+)
+
+
+@pytest.mark.filterwarnings("ignore")  # of the kernel's own libraries
+def test_a_notebook_shows_the_slider_and_the_plot() -> None:
+    nbclient, nbformat = pytest.importorskip("nbclient"), pytest.importorskip("nbformat")
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(text) for text in NOTEBOOK])
+    nbclient.NotebookClient(notebook, kernel_name="python3", timeout=120).execute()
+    (shown,), (plotted,) = (cell.outputs for cell in notebook.cells)
+    state = notebook.metadata.widgets["application/vnd.jupyter.widget-state+json"]["state"]
+    box = state[shown.data["application/vnd.jupyter.widget-view+json"]["model_id"]]["state"]
+    slider, picture = (state[name.removeprefix("IPY_MODEL_")] for name in box["children"])
+    assert slider["state"]["_options_labels"] == ["1", "8"]
+    assert slider["state"]["index"] == 0
+    (sent,) = (buffer["data"] for buffer in picture["buffers"])
+    assert sent == plotted.data["image/png"].replace("\n", "")  # what the slider shows is the plot of its load
 
 
 def test_plots_never_ask_for_a_display() -> None:

@@ -99,6 +99,34 @@ def test_folk_and_ward_by_their_own_formulas() -> None:
     assert cm.folk_ward(CEN).skewness == pytest.approx(-skew)
 
 
+def test_folk_and_ward_of_a_beach_sand_as_another_program_has_them() -> None:
+    # sample WN2 of the tests of grainsizeR 0.3 (C.-S. G. Chang), with the numbers printed there
+    openings = [2, 1, 0.5, 0.25, 0.125, 0.0625, 0.047256696, 0.034866183, 0.022853437, 0.013330233]
+    retained = [0.006241215, 0.009783525, 0.015799831, 0.191003655, 0.268428451, 0.364970481, 0.02396214]
+    retained += [0.041933746, 0.035943211, 0.01198107]
+    pan = 0.029952675
+    passing = 100.0 * (1.0 - np.cumsum(retained) / (sum(retained) + pan))
+    sand = cm.Grading.from_sieves([4.0, *openings], [100.0, *passing], unit="mm")
+    found = cm.folk_ward(sand)
+    theirs = (2.883519, 1.210441, -0.049325, 1.075632)
+    np.testing.assert_allclose((found.mean, found.sorting, found.skewness, found.kurtosis), theirs, atol=6e-7)
+    metric = cm.folk_ward(sand, scale="metric")
+    assert 1e3 * metric.mean == pytest.approx(135.511, abs=6e-4)
+    assert metric.sorting == pytest.approx(2.0**1.210441, rel=1e-6)  # GRADISTAT's geometric sorting is 2**sorting
+    assert (metric.skewness, metric.kurtosis) == pytest.approx((found.skewness, found.kurtosis))
+
+
+def test_a_percentile_beyond_empty_sieves_as_another_program_has_it() -> None:
+    # sample Q3 of G2Sd (R. K. Gallon, J. Fournier, after GRADISTAT), whose D95 the tests of grainsizeR quote
+    openings = [25000, 20000, 16000, 12500, 10000, 8000, 6300, 5000, 4000, 2500, 2000, 1600, 1250, 1000]
+    openings += [800, 630, 500, 400, 315, 250, 200, 160, 125, 100, 80, 63, 50, 40]
+    retained = [0, 0, 0, 0, 2.2, 0, 0, 0, 0, 0.3, 0.1, 0.4, 1.0, 1.3]
+    retained += [1.6, 1.7, 2.45, 2.1, 2.3, 2.7, 2.6, 2.7, 2.4, 2.1, 2.1, 1.3, 0.7, 0.1]
+    passing = 100.0 * (1.0 - np.cumsum(retained) / (sum(retained) + 1.9))
+    sand = cm.Grading.from_sieves(openings, list(np.where(np.cumsum(retained) == 0.0, 100.0, passing)), unit="um")
+    assert sand.percentile(95) == pytest.approx(10517.56, abs=6e-3)
+
+
 @pytest.mark.parametrize("curve", [CEN, FINE, cm.fuller(16.0).with_unit("mm"), cm.lognormal(0.5, 1.0).with_unit("mm")])
 def test_hardin_against_quadrature(curve: cm.Grading) -> None:
     # by parts: B_p = b_p(top) - the integral of F d b_p

@@ -76,6 +76,34 @@ def test_phi_and_sieve_designations(tmp_path: Path) -> None:
     np.testing.assert_allclose(by_name.finer([9.5, 1.18, 0.6, 0.075, 0.063]), [1.0, 0.98, 0.7, 0.02, 0.0])
 
 
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Size (mm),Passing (%)",
+        "sieve opening [mm],% finer",
+        "Sieve size mm,percent passing (%)",
+        "grain size (mm),% passing",
+        "diameter_mm,percent_finer",
+    ],
+)
+def test_headers_as_laboratories_write_them(header: str, tmp_path: Path) -> None:
+    assert read(tmp_path, lines(header, SIZE, FINER)) == EXPECTED
+
+
+@pytest.mark.parametrize(
+    ("header", "words"),
+    [
+        ("size_mm,finer", "did you mean percent_finer by 'finer'?"),
+        ("sze_mm,percent_finer", "did you mean size_mm by 'sze_mm'?"),
+        ("size_furlong,percent_finer", "the header names no size column; it must name one of size_mm"),
+    ],
+)
+def test_a_header_that_is_none_is_answered_with_the_nearest(header: str, words: str, tmp_path: Path) -> None:
+    with pytest.raises(cm.ParameterError) as refused:
+        read(tmp_path, lines(header, SIZE, FINER))
+    assert words in str(refused.value)
+
+
 def test_what_is_assumed_is_said(tmp_path: Path) -> None:
     assert (
         "column 'remarks' of sand.csv is not used"

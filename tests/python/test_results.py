@@ -1,5 +1,6 @@
 """Results and the other objects as things: files, pickles, equality, text, plots, optional libraries."""
 
+import math
 import pickle
 import subprocess
 import sys
@@ -21,6 +22,11 @@ def result() -> cm.Result:
     return cm.Simulation(MATERIAL, sand).run(stress_ratio=[1.0, 8.0])
 
 
+SAND = cm.Grading.from_sieves([1.5, 1.0, 0.5, 0.2], [100, 60, 20, 3], unit="mm")
+RUN = cm.Simulation(MATERIAL, cm.gap_graded(1.0, 0.2), grid=GRID).run(stress_ratio=[1.0, 8.0])
+RINGS = cm.Lattice(50, MATERIAL, cm.gap_graded(1.0, 0.2))
+RINGS_RUN = RINGS.run(stress_ratio=[1.0, 8.0], grid=GRID)
+
 THINGS = [
     GRID,
     MATERIAL,
@@ -40,17 +46,65 @@ THINGS = [
     cm.FullConvolution(GRID, MATERIAL, "blend", loading_rate=0.25),
     cm.mixed_fabric(cm.power_law(2.0, 0.1, 1.0), GRID, mean="geometric"),
     cm.Simulation(MATERIAL, cm.monodisperse(1.0), grid=GRID),
+    RUN,
+    RUN.recipe,
+    RUN.reports[0],
+    RUN.points[0][0],
+    RUN.start.atoms[0],
+    RUN.fabric(0).ridges[0],
+    cm.QuasiStatic(GRID, MATERIAL, loading_rate=0.2),
+    cm.QuasiStatic(GRID, MATERIAL).grading_after(RUN.start, 2.0),
+    cm.Simulation(MATERIAL, SAND, grid=GRID).run(stress_ratio=2.0, engine="slow-update").reports[0],
+    RINGS,
+    RINGS_RUN,
+    cm.TimeSteppedLattice(50, MATERIAL, cm.monodisperse(1.0)),
+    cm.SmallRing(3, cm.LogGrid(-3.0, 0.0, 8), MATERIAL),
+    cm.compare(RUN, RINGS_RUN),
+    cm.SizeCurve.of(SAND),
+    SAND.to_sieves([2.0, 1.0, 0.1]),
+    cm.folk_ward(SAND),
+    cm.breakage_index(cm.monodisperse(1.0), cm.fuller(1.0)),
+    cm.fractal_dimension(cm.fuller(16.0), 0.1, 10.0),
+    cm.milling(SAND, SAND),
+    cm.Zone(1),
 ]
+FAULTS = [cm.ParameterError("a"), cm.ShapeError("b"), cm.UnavailableError("c"), cm.ResolutionWarning("d")]
 
 
 @pytest.mark.parametrize("thing", THINGS, ids=lambda thing: type(thing).__name__)
 def test_everything_pickles_compares_and_prints(thing: object) -> None:
     again = pickle.loads(pickle.dumps(thing))
     assert again == thing
-    assert again is not thing
+    assert again is not thing or isinstance(thing, cm.Zone)  # of an enum there is one of each
     assert thing != cm.LogGrid(-1.0, 1.0, 9)
     assert type(thing).__name__ in repr(thing)
     assert len(repr(thing)) < 400
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: type(fault).__name__)
+def test_faults_pickle(fault: Exception) -> None:
+    again = pickle.loads(pickle.dumps(fault))
+    assert (type(again), again.args) == (type(fault), fault.args)
+
+
+def test_an_interruption_takes_its_result_along() -> None:
+    for stopped in (cm.Interrupted(RUN), cm.Interrupted(None)):
+        again = pickle.loads(pickle.dumps(stopped))
+        assert again.result == stopped.result
+        assert again.args == stopped.args
+
+
+def test_no_public_class_is_left_out() -> None:
+    tried = {type(thing) for thing in (*THINGS, *FAULTS, cm.Interrupted(None))}
+    assert {thing for thing in map(vars(cm).get, cm.__all__) if isinstance(thing, type)} <= tried
+
+
+def test_a_number_more_or_less_is_another_result() -> None:
+    table = SAND.to_sieves([2.0, 1.0])
+    assert table != table._replace(percent_finer=table.percent_finer + 1.0)
+    assert RUN.resume(stress_ratio=9.0) != RUN
+    assert RUN != RINGS_RUN
+    assert cm.SizeCurve.of(SAND) != cm.SizeCurve.of(SAND).in_unit("um")
 
 
 def test_a_result_pickles_and_compares(result: cm.Result) -> None:
@@ -106,6 +160,36 @@ def test_percentiles_of_a_result(result: cm.Result) -> None:
         assert np.interp(np.log(d60[k]), np.log(result.edge_size), result.cdf[k]) == pytest.approx(0.6)
 
 
+def test_the_largest_size_of_a_result_is_good_to_a_bin() -> None:
+    gap = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1)).run(stress_ratio=[0.5, 2.0, 100.0])
+    edge = gap.edge_size[gap.grid.bin_of(0.0)]
+    np.testing.assert_array_equal(gap.percentile(100), [1.0, edge, edge])  # exact until fragments share its bin
+    assert 1.0 < edge < math.exp(gap.grid.spacing)
+    sand = cm.Simulation(MATERIAL, SAND).run(stress_ratio=[1.0, 8.0])
+    np.testing.assert_allclose(sand.percentile(100), 1.5, rtol=1e-12)  # a grid of its own ends with the grading
+    coarse_grid = cm.Simulation(MATERIAL, SAND, grid=cm.LogGrid(-6.0, 0.63, 66)).run(stress_ratio=1.0)
+    (largest,) = coarse_grid.percentile(100)
+    assert largest in coarse_grid.edge_size
+    assert 1.5 < largest < 1.5 * math.exp(coarse_grid.grid.spacing)
+    for k in range(3):  # inf{d : F(d) >= 1}
+        assert gap.curve(k).percentile(100) == gap.percentile(100)[k]
+        assert gap.cdf[k][gap.edge_size >= gap.percentile(100)[k]].min() > 1.0 - 1e-12
+
+
+@pytest.mark.parametrize(
+    ("cdf", "words"),
+    [
+        (np.linspace(0.0, 2.0, 66), "the last cdf is 2; it must be 1"),
+        (np.full(66, np.nan), "the last cdf is nan; it must be 1"),
+        (np.linspace(1.0, 0.0, 66), "cdf[1] is 0.984615, less than 1 before it; a cdf cannot fall"),
+    ],
+)
+def test_what_is_no_cdf_makes_no_curve(cdf: np.ndarray, words: str) -> None:
+    with pytest.raises(cm.ParameterError) as refused:
+        cm.SizeCurve.on_grid(GRID, cdf)
+    assert words in str(refused.value)
+
+
 def test_percentiles_in_the_fines_bin_are_refused_or_extrapolated() -> None:
     sim = cm.Simulation(cm.Material(), cm.power_law(2.0, 1e-4, 1.0), grid=cm.LogGrid(-4.0, 0.1, 83))
     with pytest.warns(cm.ResolutionWarning):
@@ -122,9 +206,9 @@ def test_plot_draws_what_the_result_has(result: cm.Result) -> None:
     figure = result.plot()
     left, right = figure.axes[:2]
     curves = {line.get_label(): line for line in left.get_lines()}
-    assert {name for name in curves if not str(name).startswith("_")} == {"start", "1", "8"}  # tails have no entry
-    np.testing.assert_allclose(np.asarray(curves["8"].get_ydata()), 100 * result.cdf[1])
-    np.testing.assert_allclose(np.asarray(curves["8"].get_xdata()), result.edge_size)
+    assert {name for name in curves if not str(name).startswith("_")} == {"start", "2", "16"}  # tails have no entry
+    np.testing.assert_allclose(np.asarray(curves["16"].get_ydata()), 100 * result.cdf[1])
+    np.testing.assert_allclose(np.asarray(curves["16"].get_xdata()), result.edge_size)
     assert left.get_xlabel() == "grainsize (mm)"
     zone = right.get_lines()[0]
     larger, smaller = zone.get_data()

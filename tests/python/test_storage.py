@@ -1,12 +1,16 @@
 """Results in files: nothing lost, nothing silently wrong, and runs that go on or repeat bit for bit."""
 
+import contextlib
 import pickle
+import signal
+import threading
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import comminute as cm
+from comminute.whole_files import write_whole
 
 xr = pytest.importorskip("xarray")
 pytest.importorskip("h5netcdf")
@@ -41,6 +45,17 @@ def test_a_file_gives_back_the_result(start: str, tmp_path: Path) -> None:
     assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
 
 
+@pytest.mark.parametrize("replicas", [1, 3])
+def test_a_file_gives_back_the_result_of_a_lattice(replicas: int, tmp_path: Path) -> None:
+    rings = cm.Lattice(100, MATERIAL, cm.gap_graded(2.0, 0.2), replicas=replicas)
+    result = rings.run(stress_ratio=[1.0, 8.0], grid=GRID)
+    again = cm.open_result(result.save(tmp_path / "rings.nc"))
+    assert isinstance(again, cm.LatticeResult)
+    assert again == result
+    continuum = simulation("gap-graded").run(stress_ratio=[1.0, 8.0])
+    assert cm.compare(continuum, again) == cm.compare(continuum, result)
+
+
 def test_a_file_can_be_read_by_others(tmp_path: Path) -> None:
     result = simulation("sieves").run(stress=[1.2, 12.0])
     path = result.save(tmp_path / "run.nc")
@@ -66,6 +81,15 @@ def test_resuming_equals_one_run(start: str, cut: int, tmp_path: Path) -> None:
     first = cm.open_result(first.save(tmp_path / "run.nc"))
     again = first.resume(loads[cut:], loading_rate=rates[cut:], remix_after=[k - cut for k in remixed if k >= cut])
     assert again == whole
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_resuming_without_all_fabrics_equals_one_run_to_rounding(start: str) -> None:
+    sim = simulation(start)
+    whole = sim.run(stress_ratio=[1.0, 8.0, 30.0, 100.0], keep_fabrics="last")
+    again = sim.run(stress_ratio=[1.0, 8.0], keep_fabrics="last").resume([30.0, 100.0], keep_fabrics="last")
+    for name in ("pmf", "crushes"):
+        np.testing.assert_allclose(getattr(again, name), getattr(whole, name), rtol=0.0, atol=1e-14)
 
 
 @pytest.mark.parametrize("start", STARTS)
@@ -126,6 +150,23 @@ def test_damage_is_found(tmp_path: Path) -> None:
         cm.open_result(path)
     with pytest.raises(cm.ParameterError, match=r"none\.nc does not exist"):
         cm.open_result(tmp_path / "none.nc")
+
+
+def test_control_c_is_heard_when_the_file_is_whole(tmp_path: Path) -> None:
+    def write(path: Path) -> None:  # as libraries do in their callbacks
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        path.write_text("whole")
+
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        write_whole(tmp_path / "run.nc", write)
+    assert (tmp_path / "run.nc").read_text() == "whole"
+    assert signal.getsignal(signal.SIGINT) is before
+    in_a_thread = threading.Thread(target=write_whole, args=(tmp_path / "other.nc", lambda path: path.write_text("")))
+    in_a_thread.start()
+    in_a_thread.join()
+    assert (tmp_path / "other.nc").exists()
 
 
 def test_a_write_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,6 +26,8 @@ class UnavailableError : public std::runtime_error {
 
 /// Shortest decimal text that reads back as the same number.
 std::string text(double value);
+/// Six significant digits: for numbers that were computed, and would show their rounding.
+std::string rounded(double value);
 
 /// Throws ParameterError "<parameter> is <value>; it must be <rule>" unless `ok`.
 ///
