@@ -69,6 +69,7 @@ struct QuasiStatic::Work {
     double load_after = 0.0;
     BandSweep sweep;
     BlendSweep blend;
+    PointSweep points;
     std::vector<double> scratch;  // a state that nobody asked for
 
     Work(const LogGrid& g, const Material& m, Scheme s, double loading_rate, SolvePath p)
@@ -84,7 +85,8 @@ struct QuasiStatic::Work {
           before(g, m, s),
           after(g, m, s),
           sweep(g.bins()),
-          blend(fragments, loading_rate) {}
+          blend(fragments, loading_rate),
+          points(g, m, fragments, loading_rate) {}
 
     FragmentRule rule() const {
         return scheme == Scheme::paper ? FragmentRule::paper : FragmentRule::conservative;
@@ -170,10 +172,7 @@ struct QuasiStatic::Work {
     FabricAccess::Data settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
                               SolveReport& report) {
         set_loads(state.settled_at(), stress_ratio);
-        PointSweep points(grid, material, fragments, rate);
-        if (!state.atoms().empty() || !state.ridges().empty()) {
-            points.run(state, stress_ratio);
-        }
+        points.run(state, stress_ratio);
         std::vector<double> rows = FabricAccess::rows(state);
         report = settle(state.probability(), points.arrivals(), &rows, out);
         report.crushed += points.crushed();
