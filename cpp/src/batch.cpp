@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "active_band.hpp"
 #include "check.hpp"
@@ -119,6 +121,17 @@ class FiniteCheck {
     std::vector<Index> end_;
 };
 
+// States of one load and one before it share their zones, which cost as much as a small sweep: they take turns.
+std::vector<Index> by_load(const Batch& batch) {
+    std::vector<Index> order(static_cast<std::size_t>(batch.states.count()));
+    std::iota(order.begin(), order.end(), Index{0});
+    const auto loads = [&](Index b) {
+        return std::pair(batch.stress_ratio[b], settled_at(batch, b).value_or(0.0));
+    };
+    std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return loads(a) < loads(b); });
+    return order;
+}
+
 }  // namespace
 
 BatchSolver::BatchSolver(QuasiStatic solver) {
@@ -180,13 +193,16 @@ bool BatchSolver::run(const Batch& batch, const BatchOptions& options, const Wor
         }
     });
     if (refused < count) check.refuse(refused);
-    return looked && for_each_state(count, options, [&](QuasiStatic& worker, Index b) {
-               try {
-                   work(worker, b);
-               } catch (const ParameterError& error) {
-                   throw ParameterError("states[" + std::to_string(b) + "]: " + error.what());
-               }
-           });
+    if (!looked) return false;
+    const std::vector<Index> order = by_load(batch);
+    return for_each_state(count, options, [&](QuasiStatic& worker, Index turn) {
+        const Index b = order[static_cast<std::size_t>(turn)];
+        try {
+            work(worker, b);
+        } catch (const ParameterError& error) {
+            throw ParameterError("states[" + std::to_string(b) + "]: " + error.what());
+        }
+    });
 }
 
 // Blocks are handed out as they are asked for, since states under a large load take longer.

@@ -134,7 +134,8 @@ ParameterError
              py::arg("settled_at") = py::none(), py::arg("out") = py::none(), py::arg("threads") = 1,
              R"doc(Many states at rest, each under a load of its own, as a host code's material points are.
 
-For each state it gives the very bits that `solve` gives, whatever the number of threads.
+For each state it gives the very bits that `solve` gives, whatever the number of threads. States that
+share their loads share the crush zones too, so a few loads for many states cost less.
 
 Parameters
 ----------

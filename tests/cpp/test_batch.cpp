@@ -230,8 +230,8 @@ TEST_CASE("a batch stops when it is told to, and what its hook throws comes out 
     };
     std::vector<double> out(points.states.size(), -1.0);
     CHECK(!solver.solve(points.batch(), {out.data(), count, bins}, {nullptr, 0}, options));
-    CHECK(out.front() != -1.0);
-    CHECK(out.back() == -1.0);
+    const auto written = std::count_if(out.begin(), out.end(), [](double mass) { return mass != -1.0; });
+    CHECK(written == 16 * size);  // one block
     options.go_on = []() -> bool { throw std::runtime_error("enough"); };
     CHECK_THROWS_WITH_AS(solver.solve(points.batch(), {out.data(), count, bins}, {nullptr, 0}, options),
                          "enough", std::runtime_error);

@@ -48,7 +48,8 @@ struct BatchOptions {
 
 /// QuasiStatic for many states on one grid and material.
 ///
-/// Gives for each state the very bits that QuasiStatic gives, whatever the number of threads. Starts no thread unless
+/// Gives for each state the very bits that QuasiStatic gives, whatever the number of threads. States that share their
+/// loads take turns and share the crush zones too, so a few loads for many states cost less. Starts no thread unless
 /// asked; each takes some tens of microseconds to start, so they pay from some hundred small states on.
 ///
 /// Begin-state in, end-state out; in place too. One object for one caller at a time.
@@ -88,7 +89,7 @@ class BatchSolver {
                   VectorView<SolveReport> reports = {nullptr, 0}, const BatchOptions& options = {});
 
   private:
-    using Work = std::function<void(QuasiStatic& worker, Index state)>;
+    using Work = std::function<void(QuasiStatic& worker, Index turn)>;
 
     void require_fit(const Batch& batch, VectorView<SolveReport> reports, const BatchOptions& options) const;
     bool run(const Batch& batch, const BatchOptions& options, const Work& work);
