@@ -72,7 +72,7 @@ def trial(count: int) -> Trial:
             Goal("≥ 1.8 × with 2 threads", OURS, THREADED, least=1.8),
         ],
         unit="solve",
-        note="32 loads take turns; Numba is given their zones ready made, ours makes each once a batch, the loop each time",
+        note="32 loads; Numba is given their zones ready made, ours makes each once a batch, the loop each time",
     )
 
 

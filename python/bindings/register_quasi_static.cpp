@@ -205,10 +205,9 @@ Examples
 --------
 >>> import comminute as cm
 >>> import numpy as np
->>> grid = cm.LogGrid(-6.0, 0.0, 64)
->>> start = cm.mixed_fabric(cm.power_law(2.5, 0.01, 1.0), grid).probability
->>> states = np.repeat(start[None], 2, axis=0)
->>> gradings = cm.QuasiStatic(grid, cm.Material()).marginal_batch(states, np.array([2.0, 100.0]))
+>>> states = np.full((2, 32, 32), 1.0 / 32**2)
+>>> solver = cm.QuasiStatic(cm.LogGrid(-6.0, 0.0, 32), cm.Material())
+>>> gradings = solver.marginal_batch(states, np.array([2.0, 100.0]))
 >>> bool(gradings[1, 0] > gradings[0, 0])
 True
 )doc")
