@@ -40,13 +40,18 @@ void require_square(MatrixView<T> m, Index bins, const char* name) {
                      "; the grid needs " + shape_text(bins, bins));
 }
 
+/// Whether the memory from the first to the last entry of one view meets that of the other.
+inline bool overlap(MatrixView<const double> a, MatrixView<const double> b) {
+    const double* a_end = a.row(a.rows() - 1) + a.cols();
+    const double* b_end = b.row(b.rows() - 1) + b.cols();
+    const std::less<> before;  // a total order, also between arrays
+    return before(a.data(), b_end) && before(b.data(), a_end);
+}
+
 /// Throws ShapeError if the two views share memory without being the same view.
 inline void require_same_or_apart(MatrixView<const double> p, MatrixView<double> out) {
     if (p.data() == out.data() && p.stride() == out.stride()) return;
-    const double* p_end = p.row(p.rows() - 1) + p.cols();
-    const double* out_end = out.row(out.rows() - 1) + out.cols();
-    const std::less<> before;  // a total order, also between arrays
-    if (!before(p.data(), out_end) || !before(out.data(), p_end)) return;
+    if (!overlap(p, out)) return;
     throw ShapeError("out overlaps p in part; pass p itself to step in place, or an array of its own");
 }
 

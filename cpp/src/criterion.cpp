@@ -57,8 +57,9 @@ CrushZones::CrushZones(const LogGrid& grid, const Material& material, double str
       band_(static_cast<std::size_t>(grid.bins())),
       overlap_(static_cast<std::size_t>(grid.bins())) {
     material_.validate();
-    magnitude_ = std::max(
-        {std::abs(grid_.psi_min()), std::abs(grid_.psi_max()), std::abs(std::log(material_.reference_size))});
+    strength_ = 3.0 / material_.weibull_modulus;
+    log_reference_ = std::log(material_.reference_size);
+    magnitude_ = std::max({std::abs(grid_.psi_min()), std::abs(grid_.psi_max()), std::abs(log_reference_)});
     set_load(stress_ratio);
 }
 
@@ -67,13 +68,12 @@ CrushZones::CrushZones(const LogGrid& grid, const Material& material, double str
 // rounded.
 bool CrushZones::crushes(double psi, double distance) const {
     if (log_load_ == -infinity) return false;
-    const double strength = 3.0 / material_.weibull_modulus;
     const double contrast = distance / material_.fabric_width;
     const double cushion = 0.5 * contrast * contrast;
     if (std::isinf(cushion)) return false;  // a fabric so narrow that its square underflows
-    const double rounding = strength * magnitude_ + contrast * magnitude_ / material_.fabric_width;
+    const double rounding = strength_ * magnitude_ + contrast * magnitude_ / material_.fabric_width;
     const double slack = 8.0 * epsilon * (std::abs(log_load_) + rounding);
-    return log_load_ + strength * (psi - std::log(material_.reference_size)) + slack >= cushion;
+    return log_load_ + strength_ * (psi - log_reference_) + slack >= cushion;
 }
 
 void CrushZones::set_load(double stress_ratio) {
@@ -111,8 +111,7 @@ void CrushZones::fill(MatrixView<std::uint8_t> zones) const {
 
 double CrushZones::half_width(double psi) const {
     if (!crushes(psi, 0.0)) return -1.0;
-    const double excess =
-        log_load_ + 3.0 / material_.weibull_modulus * (psi - std::log(material_.reference_size));
+    const double excess = log_load_ + strength_ * (psi - log_reference_);
     const double n = material_.fabric_width;
     return std::isinf(n) ? infinity : n * std::sqrt(2.0 * std::max(excess, 0.0));
 }

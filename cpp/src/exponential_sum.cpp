@@ -17,13 +17,28 @@ constexpr double longest_rate =
     3.0;  // above it the terms of the sum cancel; the head then takes the steep part
 constexpr double tail_rate = 2.0;
 
+// cos(pi k / (2 n)) for k = 0 .. 4 n - 1, all that a Chebyshev transform of n points needs.
+std::vector<Wide> quarter_waves(std::size_t n) {
+    std::vector<Wide> cosine(4 * n, 0.0L);
+    for (std::size_t k = 0; k < n; ++k) {
+        const Wide value =
+            std::cos(std::numbers::pi_v<Wide> * static_cast<Wide>(k) / static_cast<Wide>(2 * n));
+        cosine[k] = value;
+        cosine[2 * n - k] = -value;
+        cosine[(2 * n + k) % (4 * n)] = -value;
+        if (k > 0) cosine[4 * n - k] = value;
+    }
+    return cosine;
+}
+
 // Coefficients b_a of F(y) = (1 - exp(-rate y)) / (1 - exp(-rate)) = sum_a b_a y^(a+1): its derivative interpolated
 // at the Chebyshev nodes of [0, 1], rewritten in monomials, integrated.
 std::vector<double> weibull_polynomial(double rate, std::size_t terms) {
     const auto n = static_cast<Wide>(terms);
+    const std::vector<Wide> cosine = quarter_waves(terms);
     std::vector<Wide> slope(terms);
     for (std::size_t q = 0; q < terms; ++q) {
-        const Wide node = std::cos(std::numbers::pi_v<Wide> * (static_cast<Wide>(q) + 0.5L) / n);
+        const Wide node = cosine[2 * q + 1];
         slope[q] = rate * std::exp(-rate * 0.5L * (1.0L + node)) / -std::expm1(-static_cast<Wide>(rate));
     }
     std::vector<Wide> sum(terms, 0.0L);
@@ -33,8 +48,7 @@ std::vector<double> weibull_polynomial(double rate, std::size_t terms) {
     for (std::size_t c = 0; c < terms; ++c) {
         Wide weight = 0.0L;
         for (std::size_t q = 0; q < terms; ++q) {
-            const Wide angle = std::numbers::pi_v<Wide> * (static_cast<Wide>(q) + 0.5L) / n;
-            weight += slope[q] * std::cos(static_cast<Wide>(c) * angle);
+            weight += slope[q] * cosine[c * (2 * q + 1) % (4 * terms)];
         }
         weight *= (c == 0 ? 1.0L : 2.0L) / n;
         for (std::size_t a = 0; a < terms; ++a) sum[a] += weight * chebyshev[a];
@@ -60,10 +74,11 @@ double on_bins(double b, double rate, double h, FragmentRule rule) {
     return b * 4.0 * s * s / (rate * h);
 }
 
-double largest_error(const ExponentialSum& sum, const FragmentPmf& pmf) {
+// Ends with the first error above `most`.
+double largest_error(const ExponentialSum& sum, const FragmentPmf& pmf, double most) {
     std::vector<double> power(sum.coefficient);
     double worst = 0.0;
-    for (std::size_t m = static_cast<std::size_t>(sum.head) + 1; m < pmf.mass.size(); ++m) {
+    for (std::size_t m = static_cast<std::size_t>(sum.head) + 1; m < pmf.mass.size() && worst <= most; ++m) {
         double value = 0.0;
         for (std::size_t a = 0; a < power.size(); ++a) value += power[a] *= sum.ratio[a];
         worst = std::max(worst, std::abs(value - pmf.mass[m]));
@@ -74,10 +89,11 @@ double largest_error(const ExponentialSum& sum, const FragmentPmf& pmf) {
 // Fills in the error; false where the sum is not good enough.
 bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
     const double largest = *std::max_element(pmf.mass.begin(), pmf.mass.end());
-    const double worst = largest_error(sum, pmf);
-    sum.error = worst / largest;
     const double leaves = pmf.below.size() > 1 ? pmf.below[1] : 1.0;
-    return sum.error <= 2e-14 && worst <= 1e-15 * leaves;
+    const double most = std::min(2e-14 * largest, 1e-15 * leaves);
+    const double worst = largest_error(sum, pmf, most);
+    sum.error = worst / largest;
+    return largest > 0.0 && worst <= most;
 }
 
 ExponentialSum sum_of(const PowerLawFragments& law, double h, const FragmentPmf& pmf, FragmentRule rule) {

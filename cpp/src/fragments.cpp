@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "comminute/fragments.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,16 +23,18 @@ void require_positive(const char* parameter, double value) {
 
 // Mean over the bin [lower, lower + h] in r of weight(u) times the law's density or cdf, u = (r - lower) / h, split
 // where those have kinks. In u, not in r, since far down the tail r/h has no digits left for the weight.
-template <class Law, class F>
-double mean_over_bin(const Law& law, const std::vector<double>& kinks, double lower, double h, const F& f) {
-    double sum = 0.0;
+template <class Law, class F, class Value = double>
+Value mean_over_bin(const Law& law, const std::vector<double>& kinks, double lower, double h, const F& f,
+                    const Value& zero = 0.0) {
+    Value sum = zero;
     double begin = 0.0;
     auto kink = std::upper_bound(kinks.begin(), kinks.end(), lower);
     while (begin < 1.0) {
         const double next = kink != kinks.end() ? (*kink++ - lower) / h : 1.0;
         const double end = std::clamp(next, begin, 1.0);
         if (end == begin) continue;
-        sum += integrate(f, begin, end, static_cast<int>(std::ceil((end - begin) * h / law.smooth_length())));
+        const int panels = static_cast<int>(std::ceil((end - begin) * h / law.smooth_length()));
+        sum += integrate(f, begin, end, panels, zero);
         begin = end;
     }
     return sum;
@@ -54,12 +57,13 @@ FragmentPmf paper_pmf(const Law& law, double h, Index bins) {
         const auto depth = static_cast<double>(m);
         const auto density = [&](double u) { return law.pdf((u - depth) * h); };
         pmf.mass[m] = h * mean_over_bin(law, kinks, -depth * h, h, density);
-        pmf.below[m] = law.cdf((1.0 - depth) * h);
     }
+    if (bins > 1) pmf.below.back() = law.cdf(static_cast<double>(2 - bins) * h);
     return pmf;
 }
 
-// f_m is the hat-weighted density around -m h; what lies at m or beyond is the cdf averaged over one bin.
+// f_m is the hat-weighted density around -m h: a bin of r gives to the two between which it lies. What ends beyond the
+// last is the cdf averaged over one bin.
 template <class Law>
 FragmentPmf conservative_pmf(const Law& law, double h, Index bins) {
     FragmentPmf pmf;
@@ -67,19 +71,24 @@ FragmentPmf conservative_pmf(const Law& law, double h, Index bins) {
     pmf.below.assign(static_cast<std::size_t>(bins), 1.0);
     const std::vector<double> kinks = kinks_of(law);
     for (std::size_t m = 0; m < pmf.mass.size(); ++m) {
-        const auto depth = static_cast<double>(m);
-        const auto rising = [&](double u) { return u * law.pdf((u - depth - 1.0) * h); };
-        pmf.mass[m] = h * mean_over_bin(law, kinks, -(depth + 1.0) * h, h, rising);
-        if (m == 0) continue;
-        const auto falling = [&](double u) { return (1.0 - u) * law.pdf((u - depth) * h); };
+        const auto next = static_cast<double>(m + 1);
+        const auto hats = [&](double u) -> Eigen::Array2d {
+            return law.pdf((u - next) * h) * Eigen::Array2d(u, 1.0 - u);
+        };
+        const Eigen::Array2d given =
+            h * mean_over_bin(law, kinks, -next * h, h, hats, Eigen::Array2d(0.0, 0.0));
+        pmf.mass[m] += given[0];
+        if (m + 1 < pmf.mass.size()) pmf.mass[m + 1] = given[1];
+    }
+    if (bins > 1) {
+        const auto depth = static_cast<double>(bins - 1);
         const auto cdf = [&](double u) { return law.cdf((u - depth) * h); };
-        pmf.mass[m] += h * mean_over_bin(law, kinks, -depth * h, h, falling);
-        pmf.below[m] = mean_over_bin(law, kinks, -depth * h, h, cdf);
+        pmf.below.back() = mean_over_bin(law, kinks, -depth * h, h, cdf);
     }
     return pmf;
 }
 
-// Quadratures miss the whole by a few roundings, of a steep law in wide bins by 1e-13. A crush that leaves its bin is
+// Fills in `below` from its last entry. Quadratures miss the whole by a few roundings, of a steep law in wide bins by 1e-13. A crush that leaves its bin is
 // one in a hundred there, and each of its hundred tries would lose that much.
 FragmentPmf made_whole(FragmentPmf pmf) {
     long double further = pmf.below.back();

@@ -21,11 +21,11 @@ struct GaussRule12 {
 inline constexpr std::array<std::pair<double, double>, 3> gauss_3_unit{
     {{0.11270166537925831148, 5.0 / 18.0}, {0.5, 8.0 / 18.0}, {0.88729833462074168852, 5.0 / 18.0}}};
 
-/// Integral of `f` over [from, to] by the 12-point rule on `panels` equal panels.
-template <class F>
-double integrate(const F& f, double from, double to, int panels) {
+/// Integral of `f` over [from, to] by the 12-point rule on `panels` equal panels; `zero` of the type that f returns.
+template <class F, class Value = double>
+Value integrate(const F& f, double from, double to, int panels, const Value& zero = 0.0) {
     const double half = 0.5 * (to - from) / panels;
-    double sum = 0.0;
+    Value sum = zero;
     for (int p = 0; p < panels; ++p) {
         const double centre = from + half * (2 * p + 1);
         for (std::size_t q = 0; q < GaussRule12::node.size(); ++q) {

@@ -10,6 +10,8 @@
 namespace comminute {
 namespace {
 
+constexpr std::size_t most_sizes_kept = 256;  // many more are of many fabrics, not of one
+
 Axis other(Axis axis) {
     return axis == Axis::grain ? Axis::neighbour : Axis::grain;
 }
@@ -32,9 +34,13 @@ bool equal_sizes(double a, double b) {
 
 }  // namespace
 
-PointSweep::PointSweep(const LogGrid& grid, const Material& material, const FragmentPmf& fragments,
-                       double rate)
-    : grid_(grid), material_(material), fragments_(fragments), rate_(rate) {}
+PointSweep::PointSweep(const LogGrid& grid, const Material& material, FragmentPmf fragments, double rate)
+    : grid_(grid),
+      material_(material),
+      fragments_(std::move(fragments)),
+      rate_(rate),
+      before_(grid, material, 0.0),
+      after_(grid, material, 0.0) {}
 
 // Probability that a fragment of an exact size ends below psi.
 double PointSweep::finer(double psi, double than_fragment_of) const {
@@ -43,8 +49,10 @@ double PointSweep::finer(double psi, double than_fragment_of) const {
 }
 
 // (N) where the fragments of one exact size land; the fines bin takes all below it.
-std::vector<double> PointSweep::fragments_of(double at) const {
-    std::vector<double> pmf(static_cast<std::size_t>(grid_.bins()));
+const std::vector<double>& PointSweep::fragments_of(double at) {
+    std::vector<double>& pmf = fragments_of_[at];
+    if (!pmf.empty()) return pmf;
+    pmf.resize(static_cast<std::size_t>(grid_.bins()));
     double below = 0.0;
     for (Index i = 0; i < grid_.bins(); ++i) {
         const double finer_than = finer(grid_.edge(i + 1), at);
@@ -72,12 +80,12 @@ void PointSweep::crush_atom(const Atom& atom) {
     const auto onto_ridge = [&](Axis exact, double at, double from, double mass) {
         if (mass == 0.0) return;
         Line& ridge = line(exact, at);
-        const std::vector<double> pmf = fragments_of(from);
+        const std::vector<double>& pmf = fragments_of(from);
         const Index own = grid_.bin_of(at);
+        const double within = finer(grid_.edge(own + 1), from) - finer(at, from);
         for (Index i = 0; i < grid_.bins(); ++i) {
             Parts& landed = ridge.arrived[static_cast<std::size_t>(i)];
             const double share = pmf[static_cast<std::size_t>(i)];
-            const double within = finer(grid_.edge(i + 1), from) - finer(at, from);
             const double above = i < own ? 0.0 : (i > own ? share : std::clamp(within, 0.0, share));
             landed.above += mass * above;
             landed.below += mass * (share - above);
@@ -90,7 +98,7 @@ void PointSweep::crush_atom(const Atom& atom) {
     count(Axis::grain, slow * grain + fast);
     count(Axis::neighbour, slow * (1.0 - grain) + fast);
     if (fast == 0.0) return;
-    const std::vector<double> pmf = fragments_of(atom.psibar);
+    const std::vector<double>& pmf = fragments_of(atom.psibar);
     std::vector<double>& partners = into_bins(Axis::grain, atom.psi);
     for (std::size_t j = 0; j < pmf.size(); ++j) partners[j] += fast * pmf[j];
 }
@@ -123,37 +131,50 @@ void PointSweep::spread(double mass, Index from, std::vector<double>& onto) cons
     onto[0] += mass * fragments_.below[static_cast<std::size_t>(from)];
 }
 
-// Shares of the two parts of a bin that lie in the zone. Below the exact size the zone reaches as far as its half-width
-// there, W; above it, where the partner is the larger one, to the roots of D^2 = W^2 + k D.
-PointSweep::Parts PointSweep::active(const CrushZones& zones, double at, Index bin) const {
+// Below the exact size the zone reaches as far as its half-width there, W; above it, where the partner is the larger
+// one, to the roots of D^2 = W^2 + k D.
+PointSweep::Reach PointSweep::reach(const CrushZones& zones, double at) const {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    Reach zone{infinity, -infinity, infinity, -infinity};  // nowhere
+    const double width = zones.half_width(at);
+    if (width >= 0.0) {
+        zone.below_from = at - width;
+        zone.below_to = at;
+    }
     const double k = material_.k();
     const double tip = zone_onset(material_, std::log(zones.stress_ratio()));
-    const double from = grid_.edge(bin);
-    const double to = grid_.edge(bin + 1);
-    Parts share;
-    const double width = zones.half_width(at);
-    if (width >= 0.0) share.below = overlap(from, std::min(to, at), at - width, at);
     if (std::isinf(k)) {
-        share.above = overlap(std::max(from, at), to, tip, std::numeric_limits<double>::infinity());
-        return share;
+        zone.above_from = tip;
+        zone.above_to = infinity;
+        return zone;
     }
     const double square = k * (at - tip);
     const double discriminant = 0.25 * k * k + square;
-    if (!(discriminant >= 0.0)) return share;
+    if (!(discriminant >= 0.0)) return zone;
     const double far = 0.5 * k + std::sqrt(discriminant);
-    const double near = square < 0.0 ? -square / far : 0.0;
-    share.above = overlap(std::max(from, at), to, at + near, at + far);
-    return share;
+    zone.above_from = at + (square < 0.0 ? -square / far : 0.0);
+    zone.above_to = at + far;
+    return zone;
+}
+
+// Shares of the two parts of a bin that lie in the zone.
+PointSweep::Parts PointSweep::active(const Reach& zone, double at, Index bin) const {
+    const double from = grid_.edge(bin);
+    const double to = grid_.edge(bin + 1);
+    return {overlap(from, std::min(to, at), zone.below_from, zone.below_to),
+            overlap(std::max(from, at), to, zone.above_from, zone.above_to)};
 }
 
 void PointSweep::crush_line(const Place& place, Line& ridge) {
     const auto [exact, at] = place;
+    const Reach zone_before = reach(before_, at);
+    const Reach zone_after = reach(after_, at);
     for (Index j = grid_.bins() - 1; j >= 0; --j) {
         Parts& settled = ridge.settled[static_cast<std::size_t>(j)];
         const Parts arrived = ridge.arrived[static_cast<std::size_t>(j)];
         if (settled.below + settled.above + arrived.below + arrived.above == 0.0) continue;
-        const Parts was = active(*before_, at, j);
-        Parts share = active(*after_, at, j);
+        const Parts was = active(zone_before, at, j);
+        Parts share = active(zone_after, at, j);
         share = {std::max(share.below, was.below), std::max(share.above, was.above)};
         const Parts fresh{newly(was.below, share.below), newly(was.above, share.above)};
         const double above = settled.above * fresh.above + arrived.above * share.above;
@@ -180,8 +201,15 @@ void PointSweep::crush_line(const Place& place, Line& ridge) {
 }
 
 void PointSweep::run(const Fabric& state, double stress_ratio) {
-    before_.emplace(grid_, material_, state.settled_at().value_or(0.0));
-    after_.emplace(grid_, material_, stress_ratio);
+    atoms_.clear();
+    lines_.clear();
+    into_bins_.clear();
+    crushed_[0] = crushed_[1] = 0.0;
+    if (state.atoms().empty() && state.ridges().empty()) return;
+    if (fragments_of_.size() > most_sizes_kept) fragments_of_.clear();
+    const double settled = state.settled_at().value_or(0.0);
+    if (before_.stress_ratio() != settled) before_.set_load(settled);
+    if (after_.stress_ratio() != stress_ratio) after_.set_load(stress_ratio);
     for (const Ridge& ridge : state.ridges()) {
         Line& onto = line(ridge.exact, ridge.at);
         const Index own = grid_.bin_of(ridge.at);
@@ -194,7 +222,7 @@ void PointSweep::run(const Fabric& state, double stress_ratio) {
         }
     }
     for (const Atom& atom : state.atoms()) {
-        if (after_->active(atom.psi, atom.psibar)) {
+        if (after_.active(atom.psi, atom.psibar)) {
             crush_atom(atom);
         } else {
             atoms_.push_back(atom);
@@ -218,14 +246,14 @@ std::vector<Ridge> PointSweep::ridges() const {
     return left;
 }
 
-std::vector<OuterProduct> PointSweep::arrivals() const {
+std::vector<OuterProduct> PointSweep::arrivals() {
     std::vector<OuterProduct> products;
     for (const auto& [place, partners] : into_bins_) {
-        std::vector<double> pmf = fragments_of(place.second);
+        const std::vector<double>& pmf = fragments_of(place.second);
         if (place.first == Axis::grain) {
-            products.push_back({std::move(pmf), partners});
+            products.push_back({pmf, partners});
         } else {
-            products.push_back({partners, std::move(pmf)});
+            products.push_back({partners, pmf});
         }
     }
     return products;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "blend_sweep.hpp"
 #include "check.hpp"
@@ -65,8 +66,11 @@ struct QuasiStatic::Work {
     CrushTable by_sums;
     ActiveBand before;
     ActiveBand after;
+    double load_before = 0.0;  // of the zones at hand
+    double load_after = 0.0;
     BandSweep sweep;
     BlendSweep blend;
+    PointSweep points;
     std::vector<double> scratch;  // a state that nobody asked for
 
     Work(const LogGrid& g, const Material& m, Scheme s, double loading_rate, SolvePath p)
@@ -83,19 +87,26 @@ struct QuasiStatic::Work {
           before(g, m, s),
           after(g, m, s),
           sweep(g.bins()),
-          blend(fragments, loading_rate) {}
+          blend(fragments, loading_rate),
+          points(g, m, fragments, loading_rate) {}
 
     FragmentRule rule() const {
         return scheme == Scheme::paper ? FragmentRule::paper : FragmentRule::conservative;
     }
 
+    // A zone costs as much as a small sweep, so what is at hand stays: the same loads for many states, or, where a state
+    // goes on from the load before, the zone that it settled in.
     void set_loads(std::optional<double> settled_at, double stress_ratio) {
-        if (settled_at) {
-            before.set_load(*settled_at);
-        } else {
-            before.clear();
+        const double settled = settled_at.value_or(0.0);
+        if (settled != load_before) {
+            if (settled == load_after) {
+                std::swap(before, after);
+                std::swap(load_before, load_after);
+            } else {
+                before.set_load(load_before = settled);
+            }
         }
-        after.set_load(stress_ratio);
+        if (stress_ratio != load_after) after.set_load(load_after = stress_ratio);
     }
 
     const CrushTable& table() const {
@@ -120,9 +131,9 @@ struct QuasiStatic::Work {
             "the state's masses add up to more than a number can hold; scale it to a total of 1");
     }
 
-    /// Brings the bins to rest. `rows` is their marginal before and after; `out` may be left out without a rate.
+    /// Brings the bins to rest. `rows`, where it is wanted, is their marginal before and after.
     SolveReport settle(MatrixView<const double> state, const std::vector<OuterProduct>& arrivals,
-                       std::vector<double>& rows, MatrixView<double>* out) {
+                       std::vector<double>* rows, MatrixView<double>* out) {
         SolveReport report;
         if (rate > 0.0) {
             scratch.resize(out == nullptr ? static_cast<std::size_t>(grid.bins() * grid.bins()) : 0);
@@ -130,7 +141,7 @@ struct QuasiStatic::Work {
                 out != nullptr ? *out : MatrixView<double>(scratch.data(), grid.bins(), grid.bins());
             blend.run(before, after, state, arrivals, to);
             require_finite(state, blend.crushed() + blend.crushed_neighbour());
-            rows = row_sums(to);
+            if (rows != nullptr) *rows = row_sums(to);
             report.path = SolvePath::blend;
             report.crushed = blend.crushed();
             report.crushed_neighbour = blend.crushed_neighbour();
@@ -140,11 +151,7 @@ struct QuasiStatic::Work {
         sweep.run(by, before, after, state, arrivals, out);
         require_finite(state, sweep.crushed() + sweep.crushed_neighbour());
         if (out != nullptr) sweep.far_field(by, state, arrivals, *out);
-        for (const OuterProduct& from : arrivals) {
-            const double partners = std::accumulate(from.psibar.begin(), from.psibar.end(), 0.0);
-            for (std::size_t i = 0; i < rows.size(); ++i) rows[i] += from.psi[i] * partners;
-        }
-        move_fragments(by, sweep.crushed_rows(), rows);
+        if (rows != nullptr) move_marginal(by, arrivals, *rows);
         report.path = by.terms > 0 ? SolvePath::sums : SolvePath::direct;
         report.terms = by.terms > 0 ? static_cast<Index>(sum.coefficient.size()) : 0;
         report.head = by.head;
@@ -154,16 +161,22 @@ struct QuasiStatic::Work {
         return report;
     }
 
+    void move_marginal(const CrushTable& by, const std::vector<OuterProduct>& arrivals,
+                       std::vector<double>& rows) const {
+        for (const OuterProduct& from : arrivals) {
+            const double partners = std::accumulate(from.psibar.begin(), from.psibar.end(), 0.0);
+            for (std::size_t i = 0; i < rows.size(); ++i) rows[i] += from.psi[i] * partners;
+        }
+        move_fragments(by, sweep.crushed_rows(), rows);
+    }
+
     /// Everything but the numbers of the bins, which go to `out` where that is given.
     FabricAccess::Data settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
                               SolveReport& report) {
         set_loads(state.settled_at(), stress_ratio);
-        PointSweep points(grid, material, fragments, rate);
-        if (!state.atoms().empty() || !state.ridges().empty()) {
-            points.run(state, stress_ratio);
-        }
+        points.run(state, stress_ratio);
         std::vector<double> rows = FabricAccess::rows(state);
-        report = settle(state.probability(), points.arrivals(), rows, out);
+        report = settle(state.probability(), points.arrivals(), &rows, out);
         report.crushed += points.crushed();
         report.crushed_neighbour += points.crushed_neighbour();
 
@@ -206,6 +219,11 @@ QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, Scheme s
 }
 
 QuasiStatic::~QuasiStatic() = default;
+QuasiStatic::QuasiStatic(const QuasiStatic& other) : work_(std::make_unique<Work>(*other.work_)) {}
+QuasiStatic& QuasiStatic::operator=(const QuasiStatic& other) {
+    work_ = std::make_unique<Work>(*other.work_);  // this one may have been moved from
+    return *this;
+}
 QuasiStatic::QuasiStatic(QuasiStatic&&) noexcept = default;
 QuasiStatic& QuasiStatic::operator=(QuasiStatic&&) noexcept = default;
 
@@ -268,8 +286,7 @@ SolveReport QuasiStatic::solve(MatrixView<const double> state, double stress_rat
         return {};
     }
     work_->set_loads(settled_at, stress_ratio);
-    std::vector<double> rows(static_cast<std::size_t>(grid().bins()));
-    return work_->settle(state, {}, rows, &out);
+    return work_->settle(state, {}, nullptr, &out);
 }
 
 SolveReport QuasiStatic::marginal(MatrixView<const double> state, double stress_ratio,
@@ -285,7 +302,7 @@ SolveReport QuasiStatic::marginal(MatrixView<const double> state, double stress_
     SolveReport report;
     if (!settled_at || stress_ratio > *settled_at) {
         work_->set_loads(settled_at, stress_ratio);
-        report = work_->settle(state, {}, rows, nullptr);
+        report = work_->settle(state, {}, &rows, nullptr);
     }
     std::copy(rows.begin(), rows.end(), grainsize.begin());
     return report;

@@ -12,7 +12,7 @@
 
 /// @throws TypeError for anything but a float64 array, ShapeError for another shape or order
 py::array_t<double> strict_array(const py::object& object, const std::vector<py::ssize_t>& shape,
-                                 const char* name);
+                                 const char* name, const char* needed_by = "the grid");
 
 /// The same, and writeable; None makes a new array.
 py::array_t<double> strict_out(const py::object& object, const std::vector<py::ssize_t>& shape,

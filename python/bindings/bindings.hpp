@@ -20,6 +20,7 @@ void register_grading(py::module_& m);
 void register_ideal_gradings(py::module_& m);
 void register_engines(py::module_& m);
 void register_lattice(py::module_& m);
+void register_solve_reports(py::module_& m);
 void register_quasi_static(py::module_& m);
 
 /// Python's own text of a value, for reprs: repr_of("Material", "weibull_modulus", 3.0, ...).

@@ -13,7 +13,7 @@ std::string shape_text(const py::ssize_t* shape, std::size_t dimensions) {
 }  // namespace
 
 py::array_t<double> strict_array(const py::object& object, const std::vector<py::ssize_t>& shape,
-                                 const char* name) {
+                                 const char* name, const char* needed_by) {
     const std::string label(name);
     if (!py::isinstance<py::array>(object)) {
         throw py::type_error(label + " is a " + std::string(py::str(py::type::of(object).attr("__name__"))) +
@@ -27,8 +27,8 @@ py::array_t<double> strict_array(const py::object& object, const std::vector<py:
     }
     const auto dimensions = static_cast<std::size_t>(array.ndim());
     if (dimensions != shape.size() || !std::equal(shape.begin(), shape.end(), array.shape())) {
-        throw comminute::ShapeError(label + " has shape " + shape_text(array.shape(), dimensions) +
-                                    "; the grid needs " + shape_text(shape.data(), shape.size()));
+        throw comminute::ShapeError(label + " has shape " + shape_text(array.shape(), dimensions) + "; " +
+                                    needed_by + " needs " + shape_text(shape.data(), shape.size()));
     }
     const int wanted = py::array::c_style | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
     if ((array.flags() & wanted) != wanted) {
@@ -74,5 +74,6 @@ PYBIND11_MODULE(_core, m) {
     register_ideal_gradings(m);
     register_engines(m);
     register_lattice(m);
+    register_solve_reports(m);
     register_quasi_static(m);
 }

@@ -1,97 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mutex>
+#include <memory>
+#include <string>
 
-#include "arrays.hpp"
+#include "solver.hpp"
 #include "words.hpp"
 
 namespace {
 
 using namespace comminute;
-
-py::tuple fields(const SolveReport& r) {
-    return py::make_tuple(word_of(r.path), r.terms, r.head, r.fit_error, r.crushed, r.crushed_neighbour);
-}
-
-/// A solver with its workspace behind a lock, since the GIL does not guard it while it runs.
-class Solver {
-  public:
-    Solver(const LogGrid& grid, const Material& material, const std::string& scheme, double loading_rate,
-           const std::string& path)
-        : solver_(grid, material, choice_of<Scheme>(scheme), loading_rate, choice_of<SolvePath>(path)) {}
-
-    const QuasiStatic& get() const { return solver_; }
-
-    SolveReport report() {
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        return report_;
-    }
-
-    Fabric solve(const Fabric& state, double stress_ratio, std::optional<double> settled_at,
-                 const py::object& out) {
-        if (!out.is_none())
-            throw py::type_error("out belongs to an array; a Fabric is never changed in place");
-        refuse_second_load(settled_at);
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        return solver_.solve(state, stress_ratio, &report_);
-    }
-
-    py::array_t<double> solve_array(const py::object& state, double stress_ratio,
-                                    std::optional<double> settled_at, const py::object& out) {
-        const auto before = strict_array(state, shape(), "state");
-        auto after = strict_out(out, shape(), "out");
-        const auto from = matrix_in(before);
-        const auto to = matrix_out(after);
-        {
-            const py::gil_scoped_release release;
-            const std::lock_guard lock(mutex_);
-            report_ = solver_.solve(from, stress_ratio, settled_at, to);
-        }
-        return after;
-    }
-
-    Marginal grading_after(const Fabric& state, double stress_ratio) {
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        Marginal marginal = solver_.marginal(state, stress_ratio);
-        report_ = marginal.report;
-        return marginal;
-    }
-
-    py::array_t<double> marginal(const Fabric& state, double stress_ratio, std::optional<double> settled_at) {
-        refuse_second_load(settled_at);
-        return copied(grading_after(state, stress_ratio).grainsize);
-    }
-
-    py::array_t<double> marginal_of_array(const py::object& state, double stress_ratio,
-                                          std::optional<double> settled_at) {
-        const auto before = strict_array(state, shape(), "state");
-        const auto from = matrix_in(before);
-        py::array_t<double> after(solver_.grid().bins());
-        const VectorView<double> to(after.mutable_data(), solver_.grid().bins());
-        {
-            const py::gil_scoped_release release;
-            const std::lock_guard lock(mutex_);
-            report_ = solver_.marginal(from, stress_ratio, settled_at, to);
-        }
-        return after;
-    }
-
-  private:
-    static void refuse_second_load(std::optional<double> settled_at) {
-        if (settled_at) {
-            throw ParameterError("settled_at is " + text(*settled_at) +
-                                 " beside a Fabric, which carries its own; leave it out");
-        }
-    }
-
-    std::vector<py::ssize_t> shape() const { return {solver_.grid().bins(), solver_.grid().bins()}; }
-
-    QuasiStatic solver_;
-    std::mutex mutex_;
-    SolveReport report_;
-};
 
 py::tuple settings(const Solver& s) {
     return py::make_tuple(s.get().grid(), s.get().material(), word_of(s.get().scheme()),
@@ -100,101 +16,13 @@ py::tuple settings(const Solver& s) {
 
 std::unique_ptr<Solver> make(const LogGrid& grid, const Material& material, const std::string& scheme,
                              double loading_rate, const std::string& path) {
-    return std::make_unique<Solver>(grid, material, scheme, loading_rate, path);
-}
-
-void register_reports(py::module_& m) {
-    py::class_<SolveReport>(m, "SolveReport", R"doc(What one quasi-static solve did, and how.
-
-Masses are shares of the whole.
-
-Examples
---------
->>> import comminute as cm
->>> grid = cm.LogGrid(-6.0, 0.0, 301)
->>> solver = cm.QuasiStatic(grid, cm.Material())
->>> after = solver.solve(cm.mixed_fabric(cm.monodisperse(1.0), grid), 1.0)
->>> float(round(solver.report.crushed, 12))
-0.5
-)doc")
-        .def(py::init([](const std::string& path, Index terms, Index head, double fit_error, double crushed,
-                         double crushed_neighbour) {
-                 return SolveReport{choice_of<SolvePath>(path), terms, head, fit_error, crushed,
-                                    crushed_neighbour};
-             }),
-             py::arg("path"), py::arg("terms"), py::arg("head"), py::arg("fit_error"), py::arg("crushed"),
-             py::arg("crushed_neighbour"))
-        .def_property_readonly(
-            "path", [](const SolveReport& r) { return word_of(r.path); },
-            "\"sums\", \"direct\" or \"blend\"; \"none\" where nothing had to move.")
-        .def_readonly("terms", &SolveReport::terms, "Terms K of the exponential sum; 0 on a path without.")
-        .def_readonly("head", &SolveReport::head, "Reductions of up to so many bins were added one by one.")
-        .def_readonly("fit_error", &SolveReport::fit_error,
-                      "Largest error of the sum, as a share of the largest fragment bin.")
-        .def_readonly("crushed", &SolveReport::crushed, "Mass crushed in psi, every crush counted.")
-        .def_readonly("crushed_neighbour", &SolveReport::crushed_neighbour, "Mass crushed in psibar.")
-        .def(
-            "__eq__", [](const SolveReport& a, const SolveReport& b) { return fields(a).equal(fields(b)); },
-            py::is_operator())
-        .def("__repr__",
-             [](const SolveReport& r) {
-                 return repr_of("SolveReport", "path", word_of(r.path), "terms", r.terms, "head", r.head,
-                                "fit_error", r.fit_error, "crushed", r.crushed, "crushed_neighbour",
-                                r.crushed_neighbour);
-             })
-        .def(py::pickle([](const SolveReport& r) { return fields(r); },
-                        [](const py::tuple& t) {
-                            return SolveReport{choice_of<SolvePath>(t[0].cast<std::string>()),
-                                               t[1].cast<Index>(),
-                                               t[2].cast<Index>(),
-                                               t[3].cast<double>(),
-                                               t[4].cast<double>(),
-                                               t[5].cast<double>()};
-                        }));
-
-    py::class_<Marginal>(m, "Marginal", R"doc(Grading after a quasi-static solve, without the state.
-
-Examples
---------
->>> import comminute as cm
->>> grid = cm.LogGrid(-6.0, 0.0, 301)
->>> start = cm.mixed_fabric(cm.monodisperse(1.0), grid)
->>> after = cm.QuasiStatic(grid, cm.Material()).grading_after(start, 1.0)
->>> [(point.psi, float(round(point.mass, 12))) for point in after.points]
-[(0.0, 0.5)]
-)doc")
-        .def_property_readonly(
-            "grainsize", [](const Marginal& r) { return copied(r.grainsize); },
-            "(N,) mass by bin, exact sizes in theirs.")
-        .def_property_readonly(
-            "points", [](const Marginal& r) { return r.points; },
-            "List of PointMass, fine to coarse: what of it is still at an exact size.")
-        .def_property_readonly(
-            "report", [](const Marginal& r) { return r.report; }, "SolveReport of the solve.")
-        .def(
-            "__eq__",
-            [](const Marginal& a, const Marginal& b) {
-                return a.grainsize == b.grainsize && a.points == b.points &&
-                       fields(a.report).equal(fields(b.report));
-            },
-            py::is_operator())
-        .def("__repr__",
-             [](const Marginal& r) {
-                 return repr_of("Marginal", "bins", r.grainsize.size(), "points", r.points, "report",
-                                r.report);
-             })
-        .def(py::pickle(
-            [](const Marginal& r) { return py::make_tuple(copied(r.grainsize), r.points, r.report); },
-            [](const py::tuple& t) {
-                return Marginal{t[0].cast<std::vector<double>>(), t[1].cast<std::vector<PointMass>>(),
-                                t[2].cast<SolveReport>()};
-            }));
+    return std::make_unique<Solver>(
+        QuasiStatic(grid, material, choice_of<Scheme>(scheme), loading_rate, choice_of<SolvePath>(path)));
 }
 
 }  // namespace
 
 void register_quasi_static(py::module_& m) {
-    register_reports(m);
     py::class_<Solver>(m, "QuasiStatic",
                        R"doc(The state to which infinitely slow loading leads, in one sweep.
 
@@ -302,6 +130,89 @@ Raises
 ParameterError
     As `solve`.
 )doc")
+        .def("solve_batch", &Solver::solve_batch, py::arg("states"), py::arg("stress_ratio"),
+             py::arg("settled_at") = py::none(), py::arg("out") = py::none(), py::arg("threads") = 1,
+             R"doc(Many states at rest, each under a load of its own, as a host code's material points are.
+
+For each state it gives the very bits that `solve` gives, whatever the number of threads. States that
+share their loads share the crush zones too, so a few loads for many states cost less.
+
+Parameters
+----------
+states : ndarray (B, N, N)
+    float64, C order.
+stress_ratio : float or ndarray (B,)
+    Loads, >= 0; a number is the load of all.
+settled_at : float or ndarray (B,), optional
+    Largest load under which each state is at rest, 0: never loaded. None: none was loaded.
+out : ndarray (B, N, N), optional
+    Where to write the new states; may be `states` itself.
+threads : int
+    At most so many at a time.
+
+Returns
+-------
+ndarray (B, N, N)
+    `reports` says how for each.
+
+Raises
+------
+TypeError, ShapeError, ParameterError
+    Before anything is written, for the first input that does not fit; the message gives its index. Only
+    masses so large that their sum overflows are found on the way.
+KeyboardInterrupt
+    On Ctrl-C; some states have been written then.
+
+Examples
+--------
+>>> import comminute as cm
+>>> import numpy as np
+>>> grid = cm.LogGrid(-6.0, 0.0, 64)
+>>> start = cm.mixed_fabric(cm.power_law(2.5, 0.01, 1.0), grid).probability
+>>> solver = cm.QuasiStatic(grid, cm.Material())
+>>> states = np.repeat(start[None], 3, axis=0)
+>>> loads = np.array([2.0, 10.0, 100.0])
+>>> states = solver.solve_batch(states, loads, out=states, threads=2)
+>>> bool(np.all(states[1] == solver.solve(start, 10.0)))
+True
+>>> [report.crushed > 0.0 for report in solver.reports]
+[True, True, True]
+>>> further = solver.solve_batch(states, 200.0, settled_at=loads)
+)doc")
+        .def("marginal_batch", &Solver::marginal_batch, py::arg("states"), py::arg("stress_ratio"),
+             py::arg("settled_at") = py::none(), py::arg("out") = py::none(), py::arg("threads") = 1,
+             R"doc(Mass by grainsize of many states, each under a load of its own, without the states.
+
+For each it gives the very bits that `marginal` gives, whatever the number of threads.
+
+Parameters
+----------
+states, stress_ratio, settled_at, threads
+    As for `solve_batch`.
+out : ndarray (B, N), optional
+    Where to write the gradings; may not overlap `states`.
+
+Returns
+-------
+ndarray (B, N)
+
+Raises
+------
+TypeError, ShapeError, ParameterError, KeyboardInterrupt
+    As `solve_batch`.
+
+Examples
+--------
+>>> import comminute as cm
+>>> import numpy as np
+>>> states = np.full((2, 32, 32), 1.0 / 32**2)
+>>> solver = cm.QuasiStatic(cm.LogGrid(-6.0, 0.0, 32), cm.Material())
+>>> gradings = solver.marginal_batch(states, np.array([2.0, 100.0]))
+>>> bool(gradings[1, 0] > gradings[0, 0])
+True
+)doc")
+        .def_property_readonly("reports", &Solver::reports,
+                               "List of SolveReport, one for each state of the last batch.")
         .def_property_readonly("report", &Solver::report, "SolveReport of the last solve or marginal.")
         .def_property_readonly(
             "grid", [](const Solver& s) { return s.get().grid(); }, "The LogGrid.")

@@ -407,6 +407,24 @@ class QuasiStatic:
     @overload
     def marginal(self, state: _Floats, stress_ratio: float, settled_at: float | None = ...) -> _Floats: ...
     def grading_after(self, fabric: Fabric, stress_ratio: float) -> Marginal: ...
+    def solve_batch(
+        self,
+        states: _Floats,
+        stress_ratio: float | _Floats,
+        settled_at: float | _Floats | None = ...,
+        out: _Floats | None = ...,
+        threads: int = ...,
+    ) -> _Floats: ...
+    def marginal_batch(
+        self,
+        states: _Floats,
+        stress_ratio: float | _Floats,
+        settled_at: float | _Floats | None = ...,
+        out: _Floats | None = ...,
+        threads: int = ...,
+    ) -> _Floats: ...
+    @property
+    def reports(self) -> list[SolveReport]: ...
     @property
     def report(self) -> SolveReport: ...
     @property

@@ -213,7 +213,7 @@ class Simulation:
             stress=None if path.stress is None else path.stress[:done],
             pmf=pmf,
             crushes=crushes,
-            mass_error=np.array([math.fsum(row) - 1.0 for row in pmf]),
+            mass_error=np.array([math.fsum(row) - 1.0 for row in pmf.tolist()]),
             engine=" + ".join(engines.names),
             scheme=self.scheme,
             notes=(*assumed, *explained(ratios, crushes)),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -62,8 +63,7 @@ def engine_of(name: EngineName, kind: Kind, rate: float, *, steps: int | None) -
     return name
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """Grading after one load, and its fabric where that is wanted."""
 
     grainsize: Floats

@@ -18,5 +18,16 @@ int main() {
     std::vector<double> state(before.data(), before.data() + before.rows() * before.cols());
     comminute::SlowUpdate engine(grid, material);
     const auto steps = comminute::settle(engine, {state.data(), grid.bins(), grid.bins()}, 100.0);
-    return report.crushed > 0.0 && steps.crushed > 0.0 ? 0 : 1;
+
+    std::vector<double> points;  // two material points, in place
+    for (int b = 0; b < 2; ++b) {
+        points.insert(points.end(), before.data(), before.data() + before.rows() * before.cols());
+    }
+    const comminute::StackView<double> both(points.data(), 2, grid.bins());
+    const std::vector<double> loads{2.0, 100.0};
+    const std::vector<double> never{0.0, 0.0};
+    std::vector<comminute::SolveReport> said(2);
+    comminute::BatchSolver batch(solver);
+    batch.solve({both, loads, never}, both, said);
+    return report.crushed > 0.0 && steps.crushed > 0.0 && said[1].crushed > said[0].crushed ? 0 : 1;
 }

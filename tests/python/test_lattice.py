@@ -14,6 +14,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 import pytest
+from gil import counts_on_during
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -299,22 +300,7 @@ def test_the_gil_is_free_during_a_load() -> None:
     """The main thread finishes a long handshake with itself while one single load is still under way."""
     material = cm.Material(fabric_width=math.inf, fragments=cm.PowerLawFragments(100.0))
     lattice = cm.Lattice(50_000, material, cm.monodisperse(1.0))
-    started, finished = threading.Event(), threading.Event()
-
-    def load() -> None:
-        started.set()
-        lattice.load_to(100.0)
-        finished.set()
-
-    worker = threading.Thread(target=load)
-    worker.start()
-    started.wait()
-    progress = 0
-    while progress < 20_000 and not finished.is_set():
-        progress += 1
-    still_running = not finished.is_set()
-    worker.join()
-    assert (progress, still_running) == (20_000, True)
+    assert counts_on_during(lambda: lattice.load_to(100.0))
 
 
 def test_results_have_the_promised_shapes_and_errors() -> None:

@@ -3,6 +3,7 @@
 
 /// Everything. From a host's CMake: find_package(comminute) and link comminute::comminute.
 
+#include "comminute/batch.hpp"
 #include "comminute/criterion.hpp"
 #include "comminute/error.hpp"
 #include "comminute/fabric.hpp"

@@ -97,7 +97,9 @@ class CrushZones {
     LogGrid grid_;
     Material material_;
     double stress_ratio_ = 0.0;
-    double log_load_ = 0.0;   // ln sigma*
+    double log_load_ = 0.0;  // ln sigma*
+    double strength_ = 0.0;  // 3 / w
+    double log_reference_ = 0.0;
     double magnitude_ = 0.0;  // of the rounding in a log size, see crushes()
     std::vector<Index> band_;
     std::vector<Index> overlap_;

@@ -53,7 +53,8 @@ struct Marginal {
 /// where that is less; a state costs N^2 more. A loading rate above 0 costs O(N^3). Point masses of a Fabric stay
 /// exact under the conservative scheme; the paper's scheme puts them on bin centres.
 ///
-/// Begin-state in, end-state out. One object per thread.
+/// Begin-state in, end-state out. One object per thread; a copy has a workspace of its own and costs no set-up.
+/// Many states at once: BatchSolver.
 ///
 /// @throws ParameterError for a bad material or a loading rate outside [0, 1]
 ///
@@ -72,6 +73,8 @@ class QuasiStatic {
     QuasiStatic(const LogGrid& grid, const Material& material, Scheme scheme = Scheme::conservative,
                 double loading_rate = 0.0, SolvePath path = SolvePath::automatic);
     ~QuasiStatic();
+    QuasiStatic(const QuasiStatic& other);
+    QuasiStatic& operator=(const QuasiStatic& other);
     QuasiStatic(QuasiStatic&&) noexcept;
     QuasiStatic& operator=(QuasiStatic&&) noexcept;
 
