@@ -22,7 +22,7 @@ makes.
 | O(N^4) sum | the paper's Eq. 61 as it stands, the kernel assembled in NumPy for each load and applied by BLAS |
 | SciPy | separable convolutions by SciPy's FFT, the filter's spectrum kept, block by block for the cache's sake |
 | Numba push | each active cell hands its mass down its row or column in compiled loops along memory |
-| bare FFTW | the transforms that the step needs and nothing else, in place in a buffer that stays in the cache |
+| bare FFTW | each of the step's 3 N lines transformed there and back at length 2 N, and nothing else, in the cache |
 | copy | memcpy of the state, what anything out of place must do at the least |
 | Numba heap, Python heap | the lattice event by event, weakest cell first, from a binary heap |
 | Python passes | the lattice by passes over all cells at rising loads |

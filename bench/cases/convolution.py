@@ -70,7 +70,8 @@ def trial(bins: int, *, with_sum: bool = False) -> Trial:
         checks=checks,
         goals=goals if bins in NAMED else [],
         size=bins,
-        note=f"bare FFTW: {LINES_PER_BIN} N real lines of length {bare.length}, there and back, in the cache",
+        note=f"bare FFTW: {LINES_PER_BIN} N real lines of length {bare.length}, there and back, in the cache; "
+        "comminute needs fewer and shorter ones: two lines to a complex transform, each as short as stays linear",
     )
 
 

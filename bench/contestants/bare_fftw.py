@@ -1,7 +1,8 @@
-"""The FFTW transforms of a full step and nothing else: no masks, no products, no state, all in the cache.
+"""The FFTW transforms of a full step as Eq. 61 reads, and nothing else: no masks, products or state, all in the cache.
 
 The lines of `bench/cpp/bare_transforms.cpp`, built by `make bench`, in which the same batch is transformed as often as
-the step needs. Length, batch and planner effort are those of the library, and so is the FFTW it calls.
+the step has lines. The FFTW that it calls and the planner's effort are the library's. The library itself needs less:
+two lines share a complex transform, and a line takes the shortest that keeps it linear.
 """
 
 from __future__ import annotations

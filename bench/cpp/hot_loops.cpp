@@ -107,8 +107,14 @@ void slow_update(benchmark::State& state) {
     count(state, flops, 16.0 * static_cast<double>(bins * bins));
 }
 
-// 3 N lines there and back at 2.5 L log2 L each, and their products with the filter's spectrum; the state is read and
-// written, and so is the mass between its two passes.
+// A complex line there and back at 5 L log2 L each, and its product with the filter's spectrum.
+double pair_flops(double length) {
+    return length * (10.0 * std::log2(length) + 6.0);
+}
+
+// Two lines of each row in one complex line, and each two columns; as long as keeps them linear, which is the bins below
+// the coarsest source and the extent of the sources: W more than i and 2 W in row i, all and all but i - W in column i.
+// The state is read and written, and so is the mass between the two passes.
 void full_convolution(benchmark::State& state) {
     const Index bins = state.range(0);
     const auto grid = grid_of(bins);
@@ -118,10 +124,14 @@ void full_convolution(benchmark::State& state) {
     auto out = p;
     for (auto turn : state) engine.step(view(p, bins), load, view(out, bins));
     require_whole(state, total(out));
-    const auto lines = 3.0 * static_cast<double>(bins);
-    const auto length = 2.0 * static_cast<double>(bins);
-    count(state, lines * (2.0 * 2.5 * length * std::log2(length) + 6.0 * 0.5 * length),
-          32.0 * static_cast<double>(bins * bins));
+    const comminute::CrushZones zones(grid, comminute::Material{}, load);
+    double flops = 0.0;
+    for (Index i = 1; i < bins; ++i) {
+        const auto width = static_cast<double>(zones.band(i));
+        flops += pair_flops(static_cast<double>(i) + 3.0 * width);
+        flops += 0.5 * pair_flops(static_cast<double>(2 * bins - i) + width);
+    }
+    count(state, flops, 32.0 * static_cast<double>(bins * bins));
 }
 
 // What a solve computes. By sums, a cell of an arm takes K sums that decay and take in mass (3 flops) and K powers of the

@@ -4,11 +4,13 @@
 #include <fftw3.h>
 
 #include <algorithm>
-#include <complex>
 #include <cstdlib>
 #include <mutex>
 #include <new>
+#include <type_traits>
 #include <vector>
+
+#include "multiversion.hpp"
 
 namespace comminute {
 namespace {
@@ -39,108 +41,155 @@ class WisdomAside {
 struct FftwFree {
     void operator()(void* memory) const { fftw_free(memory); }
 };
+using Buffer = std::unique_ptr<double[], FftwFree>;
 
-struct FftwPlan {
-    fftw_plan plan = nullptr;
-    FftwPlan() = default;
-    FftwPlan(const FftwPlan&) = delete;
-    FftwPlan& operator=(const FftwPlan&) = delete;
-    ~FftwPlan() {
+Buffer zeros(Index count) {
+    Buffer buffer(static_cast<double*>(fftw_malloc(sizeof(double) * static_cast<std::size_t>(count))));
+    if (!buffer) throw std::bad_alloc();
+    std::fill_n(buffer.get(), count, 0.0);
+    return buffer;
+}
+
+fftw_complex* complex(double* numbers) {
+    return reinterpret_cast<fftw_complex*>(numbers);
+}
+
+struct DestroyPlan {
+    void operator()(fftw_plan plan) const {
         const std::lock_guard lock(planner());
         fftw_destroy_plan(plan);
     }
 };
+using FftwPlan = std::unique_ptr<std::remove_pointer_t<fftw_plan>, DestroyPlan>;
 
-/// Smallest even length >= n without prime factors above 7, FFTW's fast sizes.
-Index fast_length(Index n) {
-    for (Index length = n + n % 2;; length += 2) {
-        Index rest = length;
-        for (const Index prime : {2, 3, 5, 7}) {
-            while (rest % prime == 0) rest /= prime;
+/// The filter's first `reach` numbers, transformed, conjugated since mass moves down, and scaled for FFTW's
+/// unscaled round trip. Lines whose mass lies below bin `reach` and spans `width` bins come out right: what
+/// wraps around ends above their coarsest bin.
+struct Spectrum {
+    Index reach;
+    Index width;
+    std::vector<double> numbers;  // interleaved
+};
+
+/// Transforms of one length.
+struct Rung {
+    Index length;
+    FftwPlan forward;
+    FftwPlan backward;
+    std::vector<Spectrum> spectra;  // by growing reach
+};
+
+/// Lengths on which FFTW is at its quickest, 4, 5 and 6 times a power of two: from about an eighth of the bins, since
+/// shorter lines are few, to the first that serves any line.
+std::vector<Index> ladder(Index bins) {
+    std::vector<Index> lengths;
+    Index power = 8;
+    while (32 * power < bins) power *= 2;
+    for (;; power *= 2) {
+        for (const Index factor : {4, 5, 6}) {
+            lengths.push_back(factor * power);
+            if (lengths.back() >= 2 * bins) return lengths;
         }
-        if (rest == 1) return length;
+    }
+}
+
+COMMINUTE_MULTIVERSION void multiply(double* z, const double* by, Index count) {
+    COMMINUTE_INDEPENDENT
+    for (Index q = 0; q < count; ++q) {
+        const double re = z[2 * q];
+        const double im = z[2 * q + 1];
+        z[2 * q] = re * by[2 * q] - im * by[2 * q + 1];
+        z[2 * q + 1] = re * by[2 * q + 1] + im * by[2 * q];
     }
 }
 
 }  // namespace
 
 struct LineSpreader::Plans {
-    Plans(VectorView<const double> filter, Index batch_lines, PlanEffort effort)
-        : lines(batch_lines),
-          length(fast_length(2 * filter.size())),
-          harmonics(length / 2 + 1),
-          buffer(static_cast<double*>(
-              fftw_malloc(sizeof(double) * static_cast<std::size_t>(2 * harmonics * lines)))) {
-        if (!buffer) throw std::bad_alloc();
-        const int n = static_cast<int>(length);
-        const int real_gap = static_cast<int>(2 * harmonics);
-        const unsigned flags = effort == PlanEffort::measure ? FFTW_MEASURE : FFTW_ESTIMATE;
+    Plans(VectorView<const double> filter, Index pairs, PlanEffort effort)
+        : used(static_cast<std::size_t>(pairs), 0) {
+        const std::vector<Index> lengths = ladder(filter.size());
+        distance = 2 * lengths.back() + 8;  // one cache line off, so that pairs do not share their sets
+        lines = zeros(distance * pairs);
+        spectral = zeros(distance);
+        // So that nothing throws, and no plan is destroyed, while the planner is locked.
+        rungs.reserve(lengths.size());
         {
             const std::lock_guard lock(planner());
             const WisdomAside aside;
-            const int howmany = static_cast<int>(lines);
-            forward.plan = fftw_plan_many_dft_r2c(1, &n, howmany, buffer.get(), nullptr, 1, real_gap,
-                                                  complex(), nullptr, 1, static_cast<int>(harmonics), flags);
-            backward.plan =
-                fftw_plan_many_dft_c2r(1, &n, howmany, complex(), nullptr, 1, static_cast<int>(harmonics),
-                                       buffer.get(), nullptr, 1, real_gap, flags);
+            for (const Index length : lengths) plan(length, effort);
         }
-        if (forward.plan == nullptr || backward.plan == nullptr) throw std::bad_alloc();
-        // The filter's own spectrum, conjugated since mass moves down, and scaled for FFTW's unscaled round
-        // trip.
-        std::fill_n(buffer.get(), 2 * harmonics * lines, 0.0);
-        std::copy(filter.begin(), filter.end(), buffer.get());
-        fftw_execute(forward.plan);
-        spectrum.resize(static_cast<std::size_t>(harmonics));
-        const auto* values = reinterpret_cast<const std::complex<double>*>(buffer.get());
-        for (std::size_t q = 0; q < spectrum.size(); ++q) {
-            spectrum[q] = std::conj(values[q]) / static_cast<double>(length);
+        for (Rung& rung : rungs) {
+            if (!rung.forward || !rung.backward) throw std::bad_alloc();
+            for (const Index eighths : {4, 5, 6, 7}) {
+                const Index reach = std::min(eighths * rung.length / 8, filter.size());
+                if (rung.spectra.empty() || rung.spectra.back().reach < reach) transform(filter, reach, rung);
+            }
         }
+        std::fill_n(lines.get(), distance * pairs, 0.0);
     }
 
-    fftw_complex* complex() const { return reinterpret_cast<fftw_complex*>(buffer.get()); }
+    void plan(Index length, PlanEffort effort) {
+        const int n = static_cast<int>(length);
+        const unsigned flags =
+            FFTW_DESTROY_INPUT | (effort == PlanEffort::measure ? FFTW_MEASURE : FFTW_ESTIMATE);
+        fftw_complex* line = complex(lines.get());
+        fftw_complex* to = complex(spectral.get());
+        rungs.push_back({length,
+                         FftwPlan(fftw_plan_dft_1d(n, line, to, FFTW_FORWARD, flags)),
+                         FftwPlan(fftw_plan_dft_1d(n, to, line, FFTW_BACKWARD, flags)),
+                         {}});
+    }
 
-    Index lines;
-    Index length;
-    Index harmonics;
-    std::unique_ptr<double[], FftwFree> buffer;
-    FftwPlan forward;
-    FftwPlan backward;
-    std::vector<std::complex<double>> spectrum;
+    void transform(VectorView<const double> filter, Index reach, Rung& rung) const {
+        std::fill_n(lines.get(), 2 * rung.length, 0.0);
+        for (Index m = 0; m < reach; ++m) lines[static_cast<std::size_t>(2 * m)] = filter[m];
+        fftw_execute(rung.forward.get());
+        std::vector<double> numbers(spectral.get(), spectral.get() + 2 * rung.length);
+        for (std::size_t q = 0; q < numbers.size(); ++q) {
+            numbers[q] /= static_cast<double>(q % 2 == 0 ? rung.length : -rung.length);
+        }
+        rung.spectra.push_back({reach, rung.length - reach + 1, std::move(numbers)});
+    }
+
+    std::vector<Index> used;  // length of each pair's last transform
+    Index distance = 0;
+    Buffer lines;
+    Buffer spectral;
+    std::vector<Rung> rungs;  // by growing length
 };
 
-LineSpreader::LineSpreader(VectorView<const double> filter, Index batch, PlanEffort effort)
-    : plans_(std::make_unique<Plans>(filter, batch, effort)) {}
+LineSpreader::LineSpreader(VectorView<const double> filter, Index pairs, PlanEffort effort)
+    : plans_(std::make_unique<Plans>(filter, pairs, effort)) {}
 LineSpreader::~LineSpreader() = default;
 LineSpreader::LineSpreader(LineSpreader&&) noexcept = default;
 LineSpreader& LineSpreader::operator=(LineSpreader&&) noexcept = default;
 
-Index LineSpreader::batch() const {
-    return plans_->lines;
+double* LineSpreader::pair(Index q) {
+    return plans_->lines.get() + q * plans_->distance;
 }
 
-double* LineSpreader::line(Index b) {
-    return plans_->buffer.get() + b * 2 * plans_->harmonics;
+Index LineSpreader::distance() const {
+    return plans_->distance;
 }
 
-void LineSpreader::clear() {
-    std::fill_n(plans_->buffer.get(), 2 * plans_->harmonics * plans_->lines, 0.0);
-}
-
-void LineSpreader::spread() {
-    fftw_execute(plans_->forward.plan);
-    for (Index b = 0; b < plans_->lines; ++b) {
-        // Interleaved (re, im) products by hand: std::complex's operator* calls out for its NaN rules.
-        double* z = line(b);
-        for (Index q = 0; q < plans_->harmonics; ++q) {
-            const std::complex<double> f = plans_->spectrum[static_cast<std::size_t>(q)];
-            const double re = z[2 * q];
-            const double im = z[2 * q + 1];
-            z[2 * q] = re * f.real() - im * f.imag();
-            z[2 * q + 1] = re * f.imag() + im * f.real();
+void LineSpreader::spread(Index q, Index finest, Index coarsest) {
+    for (const Rung& rung : plans_->rungs) {
+        for (const Spectrum& spectrum : rung.spectra) {
+            if (coarsest >= spectrum.reach || coarsest - finest >= spectrum.width) continue;
+            // The last rung serves any line.
+            double* spectral = plans_->spectral.get();
+            fftw_execute_dft(rung.forward.get(), complex(pair(q)), complex(spectral));
+            multiply(spectral, spectrum.numbers.data(), rung.length);
+            fftw_execute_dft(rung.backward.get(), complex(spectral), complex(pair(q)));
+            plans_->used[static_cast<std::size_t>(q)] = rung.length;
+            return;
         }
     }
-    fftw_execute(plans_->backward.plan);
+}
+
+void LineSpreader::clear(Index q) {
+    std::fill_n(pair(q), 2 * plans_->used[static_cast<std::size_t>(q)], 0.0);
 }
 
 }  // namespace comminute

@@ -8,27 +8,31 @@
 
 namespace comminute {
 
-/// A batch of real lines, each spread downwards by one fixed pmf: out[i] = sum_m filter[m] in[i + m].
+/// Real lines, two and two, each spread downwards by one fixed pmf: out[i] = sum_m filter[m] in[i + m].
 ///
-/// Linear, not circular: the lines are zero padded to at least twice their length. The only part of the
-/// library that knows FFTW; planning is serialised behind a mutex, spreading is not.
+/// A pair is one complex line: the filter is real, so what is real and what is imaginary never mix, and two
+/// lines cost one complex transform. Linear, not circular, by the shortest transform on a ladder of lengths
+/// whose wrapped end stays clear of the bins that are read. The only part of the library that knows FFTW;
+/// planning is serialised behind a mutex, spreading is not.
 class LineSpreader {
   public:
     /// @param filter  (N) f_m, m = 0 .. N-1
-    /// @param batch   lines spread at once, >= 1
-    LineSpreader(VectorView<const double> filter, Index batch, PlanEffort effort);
+    /// @param pairs   held at once, >= 1
+    LineSpreader(VectorView<const double> filter, Index pairs, PlanEffort effort);
     ~LineSpreader();
     LineSpreader(LineSpreader&&) noexcept;
     LineSpreader& operator=(LineSpreader&&) noexcept;
     LineSpreader(const LineSpreader&) = delete;
     LineSpreader& operator=(const LineSpreader&) = delete;
 
-    Index batch() const;
-    /// The first N numbers of a line: mass in, and after spread() mass out.
-    double* line(Index b);
-    /// Zeroes every line, its padding too.
-    void clear();
-    void spread();
+    /// Pair q: bin i of its lines at [2 i] and [2 i + 1]. Zero until the caller writes.
+    double* pair(Index q);
+    /// Numbers from one pair to the next.
+    Index distance() const;
+    /// Spreads pair q, whose mass lies in bins finest .. coarsest; then bins 0 .. coarsest may be read.
+    void spread(Index q, Index finest, Index coarsest);
+    /// Zeroes pair q again after spread().
+    void clear(Index q);
 
   private:
     struct Plans;

@@ -220,7 +220,7 @@ loading_rate : float
 fragment_rule : {"paper", "conservative"}
     See `fragment_pmf`.
 effort : {"estimate", "measure"}
-    How long FFTW may look for a fast plan.
+    How long FFTW may look for fast plans: milliseconds, or seconds for a somewhat faster step.
 
 Raises
 ------

@@ -7,16 +7,18 @@
 
 namespace comminute {
 
-/// How long FFTW may look for a fast plan when an engine is made.
+/// How long FFTW may look for fast plans when an engine is made: milliseconds, or (measure) seconds, for a somewhat
+/// faster step.
 enum class PlanEffort { estimate, measure };
 
 /// One step of Eq. 61 with any kernel, every active cell at once, by separable linear convolutions in FFTW.
 ///
 /// With the mass masked by what crushes into a (psi), b (psibar) and c (both), the step is
 /// p' = rest + f *_psi (a + f *_psibar c) + f *_psibar b, O(N^2 log N). Mass at rest never passes through a
-/// transform. FFT noise is removed line by line: nothing where no fragment can land (above a line's coarsest
-/// source, and in that bin too where no fragment stays in its bin), no negative entry, and the fines bin takes
-/// what was crushed less what landed (a deficit there is taken from the line's largest entry).
+/// transform; two lines share a complex one, the shortest that keeps both linear, and lines without mass take none.
+/// FFT noise is removed line by line: nothing where no fragment can land (above a line's coarsest source, and in that
+/// bin too where no fragment stays in its bin), no negative entry, and the fines bin takes what was crushed less what
+/// landed (a deficit there is taken from the line's largest entry).
 ///
 /// Owns its workspace (about one state); use one object per thread. A step allocates nothing.
 ///
