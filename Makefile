@@ -4,7 +4,7 @@ VENV ?= .venv
 PY := $(VENV)/bin/python
 SOURCES := $(shell find cpp python cmake -type f -not -name '*.pyc') CMakeLists.txt pyproject.toml README.md LICENSE
 
-.PHONY: run figures docs test bench bench-short bench-cpp lint sanitize check check-long clean system
+.PHONY: run figures docs test bench bench-short bench-cpp benchmark-library lint sanitize check check-long clean system
 
 run: $(VENV)/.installed
 	$(PY) examples/four_gradings.py out
@@ -22,15 +22,16 @@ test: $(VENV)/.installed build/release/.built
 	$(PY) -m pytest
 
 # Comparison with peers; see bench/README.md. The short form checks answers at small sizes and times nothing.
-bench: $(VENV)/.bench build/bench/.transforms
+bench: $(VENV)/.bench benchmark-library build/bench/.transforms
 	cmake --build --preset bench
 	$(PY) bench/compare.py
 
 bench-short: $(VENV)/.bench build/bench/.transforms
 	$(PY) bench/compare.py --short
 
-# The hot loops alone, with flops and bytes. Needs Debian's libbenchmark-dev.
-bench-cpp: build/bench/.transforms
+# The hot loops alone, with flops and bytes.
+bench-cpp: benchmark-library build/bench/.transforms
+	cmake --preset bench
 	cmake --build --preset bench
 	build/bench/bench/cpp/hot_loops
 
@@ -46,6 +47,9 @@ build/bench/.transforms: $(VENV)/.made CMakeLists.txt CMakePresets.json $(wildca
 # Debian packages, where they are missing.
 system:
 	sh cmake/system_packages.sh
+
+benchmark-library:
+	sh cmake/system_packages.sh --bench
 
 $(VENV)/.made: | system
 	python3 -m venv $(VENV)

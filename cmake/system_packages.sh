@@ -1,9 +1,11 @@
 #!/bin/sh
-# Install the Debian packages that a build needs, as far as they are missing. With --dev: formatters and linters too.
+# Install the Debian packages that a build needs, as far as they are missing. With --dev: formatters and linters too; with
+# --bench: Google Benchmark.
 set -eu
 
 wanted="g++ cmake ninja-build libeigen3-dev libfftw3-dev doctest-dev python3-venv python3-dev"
 [ "${1:-}" = "--dev" ] && wanted="$wanted clang-format clang-tidy"
+[ "${1:-}" = "--bench" ] && wanted="$wanted libbenchmark-dev"
 
 command -v dpkg-query >/dev/null 2>&1 || {
     echo "This is not a Debian system. Install the counterparts of these packages, then call pip and cmake" >&2

@@ -51,7 +51,8 @@ class _Path:
 def trial(bins: int) -> Trial:
     """One size."""
     grid, material = grid_of(bins), cm.Material()
-    update, convolution = cm.SlowUpdate(grid, material), cm.FullConvolution(grid, material, "slow")
+    update = cm.SlowUpdate(grid, material)
+    convolution = cm.FullConvolution(grid, material, "slow", path="transforms")
     problem = problem_on(grid)
     scipy_steps, numba_steps = SciPySteps(problem), NumbaSteps(problem, LOAD)
     path = _Path(grid, update)

@@ -45,7 +45,6 @@ void BandSweep::prepare(const CrushTable& table, const ActiveBand& after, bool w
         lines->crossing.assign(static_cast<std::size_t>(table.terms), 0.0);
         lines->pushed.assign(static_cast<std::size_t>(shells_kept_ * width_), 0.0);
         lines->fines.assign(static_cast<std::size_t>(lanes_up(bins_)), 0.0);
-        lines->bottom = {};
         lines->near.resize(whole_state && table.head > 0 ? by_term : 0);
         lines->far.resize(whole_state ? by_term : 0);
     }
@@ -211,7 +210,6 @@ double BandSweep::crush_arm(const CrushTable& table, Lines& lines, Index m, cons
     const double moved =
         push(from(pack), pushed(lines, m, pack), lines.fines.data() + pack, lanes_up(m) - pack);
     *diagonal = half;
-    if (begin == 0 && m > 0) lines.bottom.add(*pushed(lines, m, 0) * below);
     if (rest != nullptr) leave(from(begin), rest + begin, m - begin);
     return moved;
 }
@@ -284,7 +282,7 @@ void BandSweep::run(const CrushTable& table, const ActiveBand& before, const Act
             if (m >= rows_ahead) fetch(state.row(m - rows_ahead) + first(m), m - first(m));
             set_shares(before, after, m);
             double landed = arrive_on_diagonal(table, columns_, m) + arrive_on_diagonal(table, rows_, m);
-            if (m == 0) landed = columns_.bottom.value() + rows_.bottom.value();
+            if (m == 0) landed = columns_.fines[0] + rows_.fines[0];
             for (const OuterProduct& from : arrivals) {
                 landed += from.psi[static_cast<std::size_t>(m)] * from.psibar[static_cast<std::size_t>(m)];
             }

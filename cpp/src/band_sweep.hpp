@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "active_band.hpp"
-#include "compensated_sum.hpp"
 #include "crush_table.hpp"
 #include "lanes.hpp"
 
@@ -51,10 +50,9 @@ class BandSweep {
         LaneVector sums;  // (packs, K, lanes) of each line, as of the first shell of the current block
         std::vector<double> own;  // (K) those of the line whose shell has its turn, as of this shell
         std::vector<double>
-            crossing;           // (K) the same with what its diagonal cell has pushed, where there is no head
-        LaneVector pushed;      // (shells kept, width) mass pushed onto a line from a shell
-        LaneVector fines;       // (N) what falls below the grid
-        CompensatedSum bottom;  // the same on line 0 alone, where most of the mass may end
+            crossing;       // (K) the same with what its diagonal cell has pushed, where there is no head
+        LaneVector pushed;  // (shells kept, width) mass pushed onto a line from a shell
+        LaneVector fines;   // (N) what falls below the grid
         std::vector<double> near;  // (N, K) the sums of each line at its own shell
         std::vector<double> far;   // (N, K) the same with the head, for places beyond it
     };

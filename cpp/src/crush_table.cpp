@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lanes.hpp"
+#include "powers.hpp"
 
 namespace comminute {
 namespace {
@@ -21,29 +22,29 @@ void CrushTable::set_powers() {
     power.assign(static_cast<std::size_t>(terms * stride), 0.0);
     power_upwards.assign(power.size(), 0.0);
     for (Index a = 0; a < terms; ++a) {
-        double now = 1.0;
-        for (Index m = 0; m < bins && now > nearly_denormal; ++m) {
-            power[static_cast<std::size_t>(a * stride + m)] = now;
-            power_upwards[static_cast<std::size_t>(a * stride + bins - 1 - m)] = now;
-            now *= ratio[static_cast<std::size_t>(a)];
-        }
+        double* const row = power.data() + a * stride;
+        fill_powers(decay[static_cast<std::size_t>(a)], row, bins);
+        std::replace_if(
+            row, row + bins, [](double value) { return value < nearly_denormal; }, 0.0);
+        std::reverse_copy(row, row + bins, power_upwards.data() + a * stride);
     }
 }
 
 // Within a block the weights of what enters grow as the sums should have decayed, the more the steeper the term.
 void CrushTable::set_block() {
     if (terms == 0) return;
-    const double steepest = -std::log(*std::min_element(ratio.begin(), ratio.end()));
+    const double steepest = *std::max_element(decay.begin(), decay.end());
     shells_a_block =
         std::max(static_cast<Index>(std::min(largest_growth / steepest, static_cast<double>(longest_block))),
                  Index{1});
     for (Index b = 0; b < shells_a_block; ++b) {
-        for (std::size_t a = 0; a < ratio.size(); ++a) {
-            entering.push_back(coefficient[a] * std::pow(ratio[a], static_cast<double>(1 - b)));
-            falling.push_back(std::pow(ratio[a], static_cast<double>(b)));
+        const auto shells = static_cast<double>(b);
+        for (std::size_t a = 0; a < decay.size(); ++a) {
+            entering.push_back(coefficient[a] * std::exp(decay[a] * (shells - 1.0)));
+            falling.push_back(std::exp(-decay[a] * shells));
         }
     }
-    for (const double q : ratio) block_decay.push_back(std::pow(q, static_cast<double>(shells_a_block)));
+    for (const double d : decay) block_decay.push_back(std::exp(-d * static_cast<double>(shells_a_block)));
 }
 
 CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum, double leaves) {
@@ -53,7 +54,7 @@ CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum, d
     const std::size_t terms = sum.coefficient.size();
     table.terms = static_cast<Index>(terms);
     table.head = terms > 0 ? sum.head : table.bins - 1;
-    table.ratio = sum.ratio;
+    table.decay = sum.decay;
     table.coefficient = sum.coefficient;
     for (double& coefficient : table.coefficient) coefficient /= leaves;
     table.set_powers();

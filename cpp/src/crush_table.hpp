@@ -18,23 +18,24 @@ struct CrushTable {
     std::vector<double> mass_upwards;   ///< (N) the same in the order of the bins: entry N - 1 - m
     std::vector<double> below;          ///< (N) from bin m: share that lands in the fines bin
     std::vector<double> coefficient;    ///< (K)
-    std::vector<double> ratio;          ///< (K)
+    std::vector<double> decay;          ///< (K) of a bin
     std::vector<Index> terms_from;      ///< (N) how many terms count m bins beyond the head
     Index stride = 0;                   ///< between the rows of the next two, more than N + 8
-    std::vector<double> power;          ///< (K, stride) ratio^m, 0 where it would be denormal
+    std::vector<double> power;          ///< (K, stride) exp(-decay m), 0 where it would be denormal
     std::vector<double> power_upwards;  ///< the same at N - 1 - m
 
     // Running sums are kept as they would be at the first shell of a block of shells, and decay once a block.
     Index shells_a_block = 1;  ///< B
     std::vector<double>
         entering;  ///< (B, K) what to weigh mass with that enters the sums at a shell of the block
-    std::vector<double> falling;  ///< (B, K) ratio^b, by which the sums have decayed at shell b of the block
-    std::vector<double> block_decay;  ///< (K) ratio^B
+    std::vector<double>
+        falling;  ///< (B, K) exp(-decay b), by which the sums have decayed at shell b of the block
+    std::vector<double> block_decay;  ///< (K) exp(-decay B)
 
     const double* powers(Index a) const { return power.data() + a * stride; }
     const double* entering_at(Index block_shell) const { return entering.data() + block_shell * terms; }
     const double* falling_at(Index block_shell) const { return falling.data() + block_shell * terms; }
-    /// ratio^(from - to), and on to the next `to` in order of the bins.
+    /// exp(-decay (from - to)), and on to the next `to` in order of the bins.
     const double* powers_towards(Index a, Index from, Index to) const {
         return power_upwards.data() + a * stride + bins - 1 - from + to;
     }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "comminute/fragments.hpp"
+#include "powers.hpp"
 
 namespace comminute {
 namespace {
@@ -74,16 +75,35 @@ double on_bins(double b, double rate, double h, FragmentRule rule) {
     return b * 4.0 * s * s / (rate * h);
 }
 
-// Ends with the first error above `most`.
+// Ends with the first error above `most`, or that is not a number (a term too steep for the grid overflows).
 double largest_error(const ExponentialSum& sum, const FragmentPmf& pmf, double most) {
-    std::vector<double> power(sum.coefficient);
+    const std::size_t bins = pmf.mass.size();
+    const auto head = static_cast<std::size_t>(sum.head);
+    std::vector<double> power(sum.decay.size() * bins);
+    for (std::size_t a = 0; a < sum.decay.size(); ++a) {
+        fill_powers(sum.decay[a], power.data() + a * bins, static_cast<Index>(bins - head));
+    }
     double worst = 0.0;
-    for (std::size_t m = static_cast<std::size_t>(sum.head) + 1; m < pmf.mass.size() && worst <= most; ++m) {
+    for (std::size_t m = head + 1; m < bins && worst <= most; ++m) {
         double value = 0.0;
-        for (std::size_t a = 0; a < power.size(); ++a) value += power[a] *= sum.ratio[a];
-        worst = std::max(worst, std::abs(value - pmf.mass[m]));
+        for (std::size_t a = 0; a < sum.decay.size(); ++a)
+            value += sum.coefficient[a] * power[a * bins + m - head];
+        const double error = std::abs(value - pmf.mass[m]);
+        if (!(error <= worst)) worst = error;
     }
     return worst;
+}
+
+// Sees to it that all bins of the tail together get what the law says, so that the error of the sum moves mass but makes
+// none. The slowest term takes what the others lack.
+void close_balance(ExponentialSum& sum, const FragmentPmf& pmf) {
+    const auto from = static_cast<std::size_t>(sum.head) + 1;
+    if (from >= pmf.below.size()) return;
+    Wide lack = pmf.below[from];
+    for (std::size_t a = 0; a < sum.decay.size(); ++a) {
+        lack -= sum.coefficient[a] / std::expm1(static_cast<Wide>(sum.decay[a]));
+    }
+    sum.coefficient[0] += static_cast<double>(lack * std::expm1(static_cast<Wide>(sum.decay[0])));
 }
 
 // Fills in the error; false where the sum is not good enough.
@@ -91,6 +111,7 @@ bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
     const double largest = *std::max_element(pmf.mass.begin(), pmf.mass.end());
     const double leaves = pmf.below.size() > 1 ? pmf.below[1] : 1.0;
     const double most = std::min(2e-14 * largest, 1e-15 * leaves);
+    close_balance(sum, pmf);
     const double worst = largest_error(sum, pmf, most);
     sum.error = worst / largest;
     return largest > 0.0 && worst <= most;
@@ -99,7 +120,7 @@ bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
 ExponentialSum sum_of(const PowerLawFragments& law, double h, const FragmentPmf& pmf, FragmentRule rule) {
     ExponentialSum sum;
     sum.coefficient = {on_bins(1.0, law.exponent, h, rule)};
-    sum.ratio = {std::exp(-law.exponent * h)};
+    sum.decay = {law.exponent * h};
     return accurate(sum, pmf) ? sum : ExponentialSum{};
 }
 
@@ -116,11 +137,11 @@ ExponentialSum sum_of(const WeibullFragments& law, double h, const FragmentPmf& 
     for (std::size_t terms = 1; terms <= most_terms; ++terms) {
         const std::vector<double> polynomial = weibull_polynomial(left, terms);
         sum.coefficient.resize(terms);
-        sum.ratio.resize(terms);
+        sum.decay.resize(terms);
         for (std::size_t a = 0; a < terms; ++a) {
             const double decay = law.shape * static_cast<double>(a + 1);
             sum.coefficient[a] = on_bins(share * polynomial[a], decay, h, rule);
-            sum.ratio[a] = std::exp(-decay * h);
+            sum.decay[a] = decay * h;
         }
         if (accurate(sum, pmf)) return sum;
     }

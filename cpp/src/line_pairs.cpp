@@ -2,9 +2,7 @@
 #include "line_pairs.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 
 #include "lanes.hpp"
 #include "multiversion.hpp"
@@ -33,23 +31,6 @@ COMMINUTE_MULTIVERSION std::array<double, 2> keep_positive(double* pair, Index c
 }
 
 }  // namespace
-
-COMMINUTE_MULTIVERSION double sum(const double* values, Index count) {
-    double partial[lanes] = {};
-    Index k = 0;
-    for (; k + lanes <= count; k += lanes) {
-        for (Index lane = 0; lane < lanes; ++lane) partial[lane] += values[k + lane];
-    }
-    for (; k < count; ++k) partial[k % lanes] += values[k];
-    return ((partial[0] + partial[1]) + (partial[2] + partial[3])) +
-           ((partial[4] + partial[5]) + (partial[6] + partial[7]));
-}
-
-COMMINUTE_MULTIVERSION bool all_finite(const double* values, Index count) {
-    std::uint64_t bits = 0;
-    for (Index k = 0; k < count; ++k) bits |= std::bit_cast<std::uint64_t>(0.0 * values[k]);
-    return bits << 1 == 0;  // 0 but for its sign, where 0 times infinity or NaN is NaN
-}
 
 std::array<double, 2> level(double* pair, const LinePair& lines) {
     std::array<double, 2> undone{1.0, 1.0};

@@ -26,9 +26,6 @@ inline Index coarsest(const LinePair& lines) {
 
 // Pairs are interleaved as LineSpreader holds them: bin i of their lines at [2 i] and [2 i + 1].
 
-double sum(const double* values, Index count);
-bool all_finite(const double* values, Index count);
-
 /// Brings the lighter line of a pair to the other's size, by a power of two, lest it drown in the other's
 /// noise. Returns what each line must be multiplied by afterwards.
 std::array<double, 2> level(double* pair, const LinePair& lines);

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "loops.hpp"
 
+#include <bit>
+#include <cstdint>
+
 #include "lanes.hpp"
 #include "multiversion.hpp"
 
 namespace comminute {
 namespace {
 
-constexpr double negligible = 1e-200;  // denormal numbers would take a hundred times as long to add
+constexpr double negligible = 1e-290;  // denormal numbers would take a hundred times as long to add
 
 // Packs at once, so that a term's weights are loaded once for all of them, and what arrives stays in registers.
 template <Index Packs, bool Crossed>
@@ -43,6 +46,23 @@ COMMINUTE_INLINE void advance_packs(const Falling& f, const double* enters, doub
 COMMINUTE_MULTIVERSION void add_scaled(double factor, const double* from, double* to, Index count) {
     COMMINUTE_INDEPENDENT
     for (Index k = 0; k < count; ++k) to[k] += factor * from[k];
+}
+
+COMMINUTE_MULTIVERSION double sum(const double* values, Index count) {
+    double partial[lanes] = {};
+    Index k = 0;
+    for (; k + lanes <= count; k += lanes) {
+        for (Index lane = 0; lane < lanes; ++lane) partial[lane] += values[k + lane];
+    }
+    for (; k < count; ++k) partial[k % lanes] += values[k];
+    return ((partial[0] + partial[1]) + (partial[2] + partial[3])) +
+           ((partial[4] + partial[5]) + (partial[6] + partial[7]));
+}
+
+COMMINUTE_MULTIVERSION bool all_finite(const double* values, Index count) {
+    std::uint64_t bits = 0;
+    for (Index k = 0; k < count; ++k) bits |= std::bit_cast<std::uint64_t>(0.0 * values[k]);
+    return bits << 1 == 0;  // 0 but for its sign, where 0 times infinity or NaN is NaN
 }
 
 // By value, so that no store can change what the loops are told.

@@ -8,6 +8,9 @@ namespace comminute {
 /// to[k] += factor * from[k], k < count; the two do not overlap.
 void add_scaled(double factor, const double* from, double* to, Index count);
 
+double sum(const double* values, Index count);
+bool all_finite(const double* values, Index count);
+
 /// The sums of the lines of one arm of a shell, and of the line that crosses them all.
 struct Falling {
     Index terms;             ///< K

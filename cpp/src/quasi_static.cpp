@@ -31,19 +31,25 @@ void move_fragments(const CrushTable& table, const std::vector<double>& crushed,
                     std::vector<double>& marginal) {
     for (std::size_t i = 0; i < marginal.size(); ++i) marginal[0] += crushed[i] * table.below[i];
     const Index bins = table.bins;
-    std::vector<double> sums(static_cast<std::size_t>(table.terms), 0.0);
-    for (Index i = bins - 1; i >= 1; --i) {
-        const Index entering = i + table.head + 1;
-        const double enters = entering < bins ? crushed[static_cast<std::size_t>(entering)] : 0.0;
+    Eigen::ArrayXd sums = Eigen::ArrayXd::Zero(table.terms);
+    Index shell = 0;  // of a block
+    for (Index i = bins - 1; i >= 1; --i, ++shell) {
         double landed = 0.0;
-        for (std::size_t a = 0; a < sums.size(); ++a) {
-            sums[a] = table.ratio[a] * (sums[a] + table.coefficient[a] * enters);
-            if (std::abs(sums[a]) < 1e-290) sums[a] = 0.0;
-            landed += sums[a];
-        }
-        const Index head = std::min(table.head, bins - 1 - i);
-        for (Index m = 1; m <= head; ++m) {
+        for (Index m = std::min(table.head, bins - 1 - i); m >= 1; --m) {
             landed += table.mass[static_cast<std::size_t>(m)] * crushed[static_cast<std::size_t>(i + m)];
+        }
+        if (table.terms > 0) {
+            if (shell == table.shells_a_block) {
+                sums *= ConstLine(table.block_decay.data(), table.terms);
+                sums = (sums.abs() > 1e-290).select(sums, 0.0);
+                shell = 0;
+            }
+            const Index entering = i + table.head + 1;
+            if (entering < bins) {
+                sums += crushed[static_cast<std::size_t>(entering)] *
+                        ConstLine(table.entering_at(shell), table.terms);
+            }
+            landed += (sums * ConstLine(table.falling_at(shell), table.terms)).sum();
         }
         // Where all of a bin crushes the difference is nothing, and what is below 0 is rounding.
         double& mass = marginal[static_cast<std::size_t>(i)];

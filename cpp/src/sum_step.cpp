@@ -49,11 +49,9 @@ void SumStep::divide_row(Index i, Index lane, const Kernel& kernel, ZoneRuns& ru
     old = {};
     for (const ZoneRun& run : runs.of_row(i)) {
         const CrushShares share = kernel.shares(run.zone, i, run.begin);
-        double mass = 0.0;
-        for (Index j = run.begin; j < run.end; ++j) {
-            mass += row[j];
-            grain(i)[j] = share.grain * row[j];
-        }
+        const Index count = run.end - run.begin;
+        const double mass = sum(row + run.begin, count);
+        add_scaled(share.grain, row + run.begin, grain(i) + run.begin, count);
         report_.active += mass;
         report_.crushed += (share.grain + share.both) * mass;
         report_.crushed_neighbour += (share.neighbour + share.both) * mass;

@@ -16,6 +16,7 @@ class Guarded {
     explicit Guarded(Engine engine) : engine_(std::move(engine)) {}
 
     const Kernel& kernel() const { return engine_.kernel(); }
+    StepPath path() const { return engine_.path(); }
 
     StepReport report() {
         const py::gil_scoped_release release;
@@ -197,17 +198,20 @@ Examples
 
 void register_full_convolution(py::module_& m) {
     const auto make = [](const LogGrid& grid, const Material& material, const std::string& kind,
-                         double loading_rate, const std::string& rule, const std::string& effort) {
+                         double loading_rate, const std::string& rule, const std::string& path,
+                         const std::string& effort) {
         return std::make_unique<FullEngine>(FullConvolution(
             Kernel(grid, material, choice_of<KernelKind>(kind), loading_rate, choice_of<FragmentRule>(rule)),
-            choice_of<PlanEffort>(effort)));
+            choice_of<StepPath>(path), choice_of<PlanEffort>(effort)));
     };
     py::class_<FullEngine> engine(m, "FullConvolution",
-                                  R"doc(One time step with any kernel by FFTW (Eqs. 59-61, 63, 67, 68).
+                                  R"doc(One time step with any kernel (Eqs. 59-61, 63, 67, 68).
 
-Linear, separable, nothing lost at the bottom. FFT noise is removed line by line: nothing above a
-line's coarsest source, no negative entry, and the fines bin takes what was crushed less what
-landed (a deficit there is taken from the line's largest entry).
+A linear, separable convolution, nothing lost at the bottom: by running sums where the fragments'
+law is a short sum of exponentials (`report.terms` says of how many), else by FFTW, which takes
+several times as long. FFT noise is removed line by line: nothing above a line's coarsest source,
+no negative entry, and the fines bin takes what was crushed less what landed (a deficit there is
+taken from the line's largest entry).
 
 Parameters
 ----------
@@ -219,15 +223,17 @@ loading_rate : float
     For "blend", in [0, 1].
 fragment_rule : {"paper", "conservative"}
     See `fragment_pmf`.
+path : {"automatic", "transforms", "sums"}
+    "transforms" takes FFTW in any case, and "sums" refuses laws that have none.
 effort : {"estimate", "measure"}
     How long FFTW may look for fast plans: milliseconds, or seconds for a somewhat faster step.
 
 Raises
 ------
 UnavailableError
-    If this build has no FFTW.
+    If it takes FFTW and this build has none.
 ParameterError
-    For a word or a loading rate outside its range.
+    For a word or a loading rate outside its range, or sums that the law does not have.
 
 Examples
 --------
@@ -241,24 +247,27 @@ Examples
 )doc");
     engine
         .def(py::init(make), py::arg("grid"), py::arg("material"), py::arg("kind") = "slow", py::kw_only(),
-             py::arg("loading_rate") = 0.0, py::arg("fragment_rule") = "paper",
+             py::arg("loading_rate") = 0.0, py::arg("fragment_rule") = "paper", py::arg("path") = "automatic",
              py::arg("effort") = "estimate")
+        .def_property_readonly(
+            "path", [](const FullEngine& e) { return word_of(e.path()); }, "By what means, as asked for.")
         .def("__repr__",
              [](const FullEngine& e) {
                  const Kernel& k = e.kernel();
                  return repr_of("FullConvolution", "grid", k.grid(), "material", k.material(), "kind",
                                 word_of(k.kind()), "loading_rate", k.loading_rate(), "fragment_rule",
-                                word_of(k.rule()));
+                                word_of(k.rule()), "path", word_of(e.path()));
              })
         .def(py::pickle(
             [](const FullEngine& e) {
                 const Kernel& k = e.kernel();
                 return py::make_tuple(k.grid(), k.material(), word_of(k.kind()), k.loading_rate(),
-                                      word_of(k.rule()));
+                                      word_of(k.rule()), word_of(e.path()));
             },
             [make](const py::tuple& t) {
                 return make(t[0].cast<LogGrid>(), t[1].cast<Material>(), t[2].cast<std::string>(),
-                            t[3].cast<double>(), t[4].cast<std::string>(), "estimate");
+                            t[3].cast<double>(), t[4].cast<std::string>(), t[5].cast<std::string>(),
+                            "estimate");
             }));
     add_engine_methods(engine);
 }

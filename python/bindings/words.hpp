@@ -68,6 +68,15 @@ struct Words<comminute::SolvePath> {
 };
 
 template <>
+struct Words<comminute::StepPath> {
+    static constexpr const char* parameter = "path";
+    static constexpr std::array<std::pair<const char*, comminute::StepPath>, 3> list{
+        {{"automatic", comminute::StepPath::automatic},
+         {"transforms", comminute::StepPath::transforms},
+         {"sums", comminute::StepPath::sums}}};
+};
+
+template <>
 struct Words<comminute::PlanEffort> {
     static constexpr const char* parameter = "effort";
     static constexpr std::array<std::pair<const char*, comminute::PlanEffort>, 2> list{

@@ -232,8 +232,11 @@ class FullConvolution(_Engine):
         *,
         loading_rate: float = ...,
         fragment_rule: _Rule = ...,
+        path: Literal["automatic", "transforms", "sums"] = ...,
         effort: Literal["estimate", "measure"] = ...,
     ) -> None: ...
+    @property
+    def path(self) -> Literal["automatic", "transforms", "sums"]: ...
 
 class PointMass:
     def __init__(self, psi: float, mass: float) -> None: ...

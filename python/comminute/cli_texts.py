@@ -150,8 +150,12 @@ def installation() -> dict[str, str]:
     """Versions and abilities, by name."""
     found = {"comminute": __version__, "python": platform.python_version(), "machine": platform.machine()}
     if has_fftw:
-        FullConvolution(LogGrid(-2.0, 0.0, 16), Material())  # plans a transform: a broken FFTW shows here
-    found["fftw"] = "yes: every engine" if has_fftw else "no: full convolution left out of this build"
+        FullConvolution(
+            LogGrid(-2.0, 0.0, 16), Material(), path="transforms"
+        )  # plans a transform: a broken FFTW shows here
+    found["fftw"] = (
+        "yes: every engine" if has_fftw else "no: full convolution for fragments with an exponential sum only"
+    )
     found["threads"] = f"{os.cpu_count()} here; a run takes one"
     for name in EXTRAS:
         try:

@@ -146,20 +146,33 @@ Engine wrap(const std::string& name, E engine) {
             }};
 }
 
+// By what means this build can take a full step of a kernel.
+inline std::vector<comminute::StepPath> step_paths(const comminute::Kernel& kernel) {
+    std::vector<comminute::StepPath> paths;
+#ifdef COMMINUTE_HAS_FFTW
+    paths.push_back(comminute::StepPath::transforms);
+#endif
+    const auto sum = comminute::exponential_sum(kernel.material().fragments, kernel.grid().spacing(),
+                                                kernel.fragments(), kernel.rule());
+    if (!sum.coefficient.empty() && sum.head == 0) paths.push_back(comminute::StepPath::sums);
+    return paths;
+}
+
 inline std::vector<Engine> all_engines(const comminute::LogGrid& grid, const comminute::Material& material,
                                        comminute::FragmentRule rule = comminute::FragmentRule::paper) {
     std::vector<Engine> engines;
     engines.push_back(wrap("slow update", comminute::SlowUpdate(grid, material, rule)));
-#ifdef COMMINUTE_HAS_FFTW
     const auto add = [&](const std::string& name, comminute::KernelKind kind, double rate) {
-        engines.push_back(
-            wrap(name, comminute::FullConvolution(comminute::Kernel(grid, material, kind, rate, rule))));
+        const comminute::Kernel kernel(grid, material, kind, rate, rule);
+        for (const comminute::StepPath path : step_paths(kernel)) {
+            const bool sums = path == comminute::StepPath::sums;
+            engines.push_back(wrap(name + (sums ? ", sums" : ""), comminute::FullConvolution(kernel, path)));
+        }
     };
     add("exact", comminute::KernelKind::exact, 0.0);
     add("slow", comminute::KernelKind::slow, 0.0);
     add("fast", comminute::KernelKind::fast, 0.0);
     add("blend", comminute::KernelKind::blend, 0.3);
-#endif
     return engines;
 }
 

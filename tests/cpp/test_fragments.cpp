@@ -340,3 +340,12 @@ TEST_CASE("laws and sizes outside their range are refused with name, value and r
         "finer is 0.1; it must be 0 at the first x, or rising to the second: no tail can be read from a "
         "flat start");
 }
+
+TEST_CASE("a law too steep for the grid has no sum") {
+    for (const comminute::FragmentRule rule :
+         {comminute::FragmentRule::paper, comminute::FragmentRule::conservative}) {
+        const comminute::PowerLawFragments law{1e5};
+        const auto pmf = comminute::fragment_pmf(law, 0.02, 50, rule);
+        CHECK(comminute::exponential_sum(law, 0.02, pmf, rule).coefficient.empty());
+    }
+}

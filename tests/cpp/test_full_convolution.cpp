@@ -3,11 +3,10 @@
 
 #include "helpers.hpp"
 
-#ifdef COMMINUTE_HAS_FFTW
-
 using comminute::FullConvolution;
 using comminute::Kernel;
 using comminute::KernelKind;
+using comminute::StepPath;
 using helpers::at;
 using helpers::Index;
 using helpers::State;
@@ -68,17 +67,19 @@ TEST_CASE("one step moves states of every extent as plain sums do") {
                 const Kernel kernel(
                     comminute::LogGrid(-6.0, 0.5, n), helpers::material(width), kind, 0.0,
                     n % 2 == 0 ? comminute::FragmentRule::conservative : comminute::FragmentRule::paper);
-                FullConvolution engine(kernel);
                 for (const bool sparse : {false, true}) {
-                    State p = helpers::random_state(n, random);
+                    State start = helpers::random_state(n, random);
                     if (sparse) {  // a handful of cells, some of them in rows and columns of their own
-                        for (double& mass : p.mass) mass *= random() % at(n * n) < 6 ? 1.0 : 0.0;
-                        p(n - 1, n - 2) = p(n / 3, n / 3 + 1) = 0.5;
+                        for (double& mass : start.mass) mass *= random() % at(n * n) < 6 ? 1.0 : 0.0;
+                        start(n - 1, n - 2) = start(n / 3, n / 3 + 1) = 0.5;
                     }
-                    const State expected = summed_step(kernel, p);
-                    engine.step(p.view(), load, p.view());
-                    CHECK(helpers::largest_difference(p.mass, expected.mass) < 2e-15);
-                    CHECK(helpers::smallest_entry(p.mass) >= 0.0);
+                    const State expected = summed_step(kernel, start);
+                    for (const StepPath path : helpers::step_paths(kernel)) {
+                        State p = start;
+                        FullConvolution(kernel, path).step(p.view(), load, p.view());
+                        CHECK(helpers::largest_difference(p.mass, expected.mass) < 2e-15);
+                        CHECK(helpers::smallest_entry(p.mass) >= 0.0);
+                    }
                 }
             }
         }
@@ -89,30 +90,55 @@ TEST_CASE("a line with next to no mass comes out right beside one with much") {
     std::mt19937_64 random(61);
     const Index n = 61;
     const Kernel kernel(comminute::LogGrid(-6.0, 0.5, n), helpers::material(1.0), KernelKind::slow);
-    FullConvolution engine(kernel);
     const double scales[] = {1.0, 1e-40, 1e-250};
     for (const bool rows : {true, false}) {  // what crushes in psibar stays in its row, else in its column
-        State p = helpers::random_state(n, random);
+        State start = helpers::random_state(n, random);
         std::vector<double> line_mass(at(n), 0.0);
         for (Index i = 0; i < n; ++i) {
             for (Index j = 0; j < n; ++j) {
                 const Index line = rows ? i : j;
-                p(i, j) *= (rows ? i < j : i > j) ? scales[line % 3] : 0.0;
-                line_mass[at(line)] += p(i, j);
+                start(i, j) *= (rows ? i < j : i > j) ? scales[line % 3] : 0.0;
+                line_mass[at(line)] += start(i, j);
             }
         }
-        const State expected = summed_step(kernel, p);
-        engine.step(p.view(), load, p.view());
-        double worst = 0.0;
-        for (Index i = 0; i < n; ++i) {
-            for (Index j = 0; j < n; ++j) {
-                const double mass = line_mass[at(rows ? i : j)];
-                if (mass > 0.0) worst = std::max(worst, std::abs(p(i, j) - expected(i, j)) / mass);
+        const State expected = summed_step(kernel, start);
+        for (const StepPath path : helpers::step_paths(kernel)) {
+            State p = start;
+            FullConvolution(kernel, path).step(p.view(), load, p.view());
+            double worst = 0.0;
+            for (Index i = 0; i < n; ++i) {
+                for (Index j = 0; j < n; ++j) {
+                    const double mass = line_mass[at(rows ? i : j)];
+                    if (mass > 0.0) worst = std::max(worst, std::abs(p(i, j) - expected(i, j)) / mass);
+                }
             }
+            CHECK(worst < 1e-14);
+            CHECK(helpers::smallest_entry(p.mass) >= 0.0);
         }
-        CHECK(worst < 1e-14);
-        CHECK(helpers::smallest_entry(p.mass) >= 0.0);
     }
 }
 
+TEST_CASE("a step says by what means it was taken, and refuses sums that a law does not have") {
+    const comminute::LogGrid grid(-6.0, 0.5, 40);
+    std::mt19937_64 random(62);
+    const State start = helpers::random_state(40, random);
+    State out = start;
+    const Kernel weibull(grid, comminute::Material{}, KernelKind::exact);
+    FullConvolution by_choice(weibull);
+    CHECK(by_choice.path() == StepPath::automatic);
+    CHECK(by_choice.step(start.view(), load, out.view()).terms == 11);
+
+    comminute::Material material;
+    material.fragments = comminute::LogNormalFragments{};
+    const Kernel lognormal(grid, material, KernelKind::exact);
+    CHECK_REFUSED(
+        FullConvolution(lognormal, StepPath::sums),
+        "path is sums, but these fragments have no accurate exponential sum on this grid; use automatic or "
+        "transforms");
+#ifdef COMMINUTE_HAS_FFTW
+    CHECK(FullConvolution(lognormal).step(start.view(), load, out.view()).terms == 0);
+#else
+    CHECK_THROWS_WITH_AS(FullConvolution{lognormal}, doctest::Contains("libfftw3-dev"),
+                         comminute::UnavailableError);
 #endif
+}

@@ -108,6 +108,7 @@ TEST_CASE("full convolutions are made, used, moved and dropped at the same time 
     const auto run = [](Index bins) {
         FullConvolution first(
             Kernel(LogGrid(-3.0, 0.0, bins), material(0.3), KernelKind::slow),
+            comminute::StepPath::transforms,
             bins % 12 == 0 ? comminute::PlanEffort::measure : comminute::PlanEffort::estimate);
         FullConvolution engine(std::move(first));
         State p(bins);

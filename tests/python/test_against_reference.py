@@ -1,5 +1,7 @@
 """Every number of the core against the NumPy reference, which is written from the equations alone."""
 
+from typing import Literal
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -13,10 +15,10 @@ from strategies import Case, cases, laws, log_uniform
 KINDS: tuple[Kind, ...] = ("exact", "slow", "fast", "blend")
 
 
-@given(case=cases())
-def test_full_convolution_agrees_with_the_reference(case: Case) -> None:
+@given(case=cases(), path=st.sampled_from(["automatic", "transforms"]))
+def test_full_convolution_agrees_with_the_reference(case: Case, path: Literal["automatic", "transforms"]) -> None:
     engine = cm.FullConvolution(
-        case.grid, case.material, case.kind, loading_rate=case.loading_rate, fragment_rule=case.rule
+        case.grid, case.material, case.kind, loading_rate=case.loading_rate, fragment_rule=case.rule, path=path
     )
     expected = ref.step(case.p, case.psi, case.model, case.stress_ratio, case.kind, case.loading_rate, case.rule)
     np.testing.assert_allclose(engine.step(case.p, case.stress_ratio), expected, rtol=0.0, atol=1e-13)

@@ -43,7 +43,7 @@ def test_mass_is_kept_nothing_is_negative_and_grains_only_get_finer(case: Case, 
 @given(case=cases(max_bins=60))
 def test_full_convolution_and_slow_update_agree_over_a_load_path(case: Case) -> None:
     update = cm.SlowUpdate(case.grid, case.material, fragment_rule=case.rule)
-    convolution = cm.FullConvolution(case.grid, case.material, fragment_rule=case.rule)
+    convolution = cm.FullConvolution(case.grid, case.material, fragment_rule=case.rule, path="transforms")
     p, q = case.p.copy(), case.p.copy()
     for load in np.geomspace(0.1, 1.0, 12) * case.stress_ratio:
         update.step(p, load, out=p)

@@ -119,14 +119,15 @@ struct FragmentPmf {
 /// @endcode
 FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins, FragmentRule rule);
 
-/// The tail of a fragment pmf as a sum of powers: f_m = sum_a coefficient[a] ratio[a]^(m - head) for m > head >= 0.
+/// The tail of a fragment pmf as a sum of exponentials: f_m = sum_a coefficient[a] exp(-decay[a] (m - head)) for m > head
+/// >= 0.
 ///
 /// A convolution with such a tail is one running sum a term. A Weibull cdf is an entire function of X^kappa and has a
 /// short accurate sum; one of a fine scale (scale^-shape > 3) has it for the tail only. A power law is a single term.
 struct ExponentialSum {
     Index head = 0;                   ///< the first `head` reductions are not in the sum
     std::vector<double> coefficient;  ///< (K), the slowest decay first; empty: this law has no accurate sum
-    std::vector<double> ratio;        ///< (K) in (0, 1)
+    std::vector<double> decay;        ///< (K) > 0, in a bin
     double error = 0.0;               ///< largest |sum - f_m| over the tail, as a share of the largest f_m
 };
 
