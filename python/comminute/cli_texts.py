@@ -149,13 +149,10 @@ The software:
 def installation() -> dict[str, str]:
     """Versions and abilities, by name."""
     found = {"comminute": __version__, "python": platform.python_version(), "machine": platform.machine()}
+    found["fftw"] = "no: full convolution for fragments with an exponential sum only"
     if has_fftw:
-        FullConvolution(
-            LogGrid(-2.0, 0.0, 16), Material(), path="transforms"
-        )  # plans a transform: a broken FFTW shows here
-    found["fftw"] = (
-        "yes: every engine" if has_fftw else "no: full convolution for fragments with an exponential sum only"
-    )
+        FullConvolution(LogGrid(-2.0, 0.0, 16), Material(), path="transforms")  # a broken FFTW shows here
+        found["fftw"] = "yes: every engine"
     found["threads"] = f"{os.cpu_count()} here; a run takes one"
     for name in EXTRAS:
         try:
