@@ -120,7 +120,7 @@ struct QuasiStatic::Work {
         if (path == SolvePath::sums) return by_sums;
         Index widest = 0;
         for (Index m = 0; m < grid.bins(); ++m) widest = std::max(widest, after.last(m) + 1);
-        return widest > by_sums.terms + by_sums.head ? by_sums : bin_by_bin;
+        return widest > by_sums.head + 2 ? by_sums : bin_by_bin;  // by measurement
     }
 
     void require_finite(MatrixView<const double> state, double crushed) const {

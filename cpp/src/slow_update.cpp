@@ -106,8 +106,8 @@ void SlowUpdate::Work::look(MatrixView<const double> p) {
     report.active = report.crushed + report.crushed_neighbour;
 }
 
-// Whether a cell by itself, O(N) for each, costs more than K sums along all lines; by measurement a number of the one
-// takes twice as long as one of the other.
+// Whether cells by themselves, O(N) for each, cost more than K sums along all lines; by measurement a number of the one
+// takes as long as five of the other.
 bool SlowUpdate::Work::sums_cost_less() const {
     if (!by_sums.available()) return false;
     const auto bins = static_cast<double>(in_row.size());
@@ -116,7 +116,7 @@ bool SlowUpdate::Work::sums_cost_less() const {
         pushes +=
             static_cast<double>(m) * static_cast<double>(in_row[m].length() + in_column[m].length() + 2);
     }
-    return pushes > 0.5 * static_cast<double>(by_sums.terms()) * bins * bins;
+    return pushes > 0.2 * static_cast<double>(by_sums.terms()) * bins * bins;
 }
 
 // What crushes in psibar lands in its own row, which lies in memory as it is spread: done at once.
