@@ -10,7 +10,7 @@
 #define COMMINUTE_MULTIVERSION __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #endif
 
-// For what such a function is made of: a copy of it in each version.
+// For what a hot function is made of: a copy of it in each, and in each of its versions.
 #define COMMINUTE_INLINE [[gnu::always_inline]] inline
 
 // Says of the next loop that its passes do not feed each other, through whatever pointers.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "multiversion.hpp"
+
 namespace comminute {
 
 double zone_onset(const Material& material, double log_stress_ratio) {
@@ -24,7 +26,7 @@ ShellZone::ShellZone(double tip, double steepness, double root)
 
 // Where omega(t) - t >= distance - 1/2: between the roots of a quadratic in s. An error of a root does not matter, since
 // the length covered begins to grow there.
-ShellZone::Piece ShellZone::wider_than(double distance) const {
+COMMINUTE_INLINE ShellZone::Piece ShellZone::wider_than(double distance) const {
     const double c = distance - 0.5 + tip_;  // s^2 - root s + c <= 0
     const double discriminant = 0.25 * steepness_ - c;
     if (!(discriminant >= 0.0)) return {};
@@ -35,7 +37,7 @@ ShellZone::Piece ShellZone::wider_than(double distance) const {
 
 // Integral over t of a length that is quadratic in s: with dt = 2 s ds a cubic, exact by two Gauss nodes.
 template <class Length>
-double ShellZone::integral(const Piece& piece, const Length& length) const {
+COMMINUTE_INLINE double ShellZone::integral(const Piece& piece, const Length& length) const {
     if (piece.empty()) return 0.0;
     constexpr double node = 0.57735026918962576451;  // 1 / sqrt(3)
     const double half = 0.5 * (piece.to - piece.from);
@@ -50,7 +52,7 @@ double ShellZone::integral(const Piece& piece, const Length& length) const {
 
 // The zone covers the length clamp(1/2 - d - t + omega, 0, 1) of the smaller grain's cell; `some` is where that is
 // above 0, `all` where it is 1. At d = 0 it covers twice min(omega, t + 1/2); `all` is then where that is the latter.
-double ShellZone::share_between(double distance, const Piece& some, const Piece& all) const {
+COMMINUTE_INLINE double ShellZone::share_between(double distance, const Piece& some, const Piece& all) const {
     const bool diagonal = distance == 0.0;
     const auto partly = [&](double s, double t) {
         return diagonal ? 2.0 * root_ * s : 0.5 - distance - t + root_ * s;
