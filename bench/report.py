@@ -34,22 +34,22 @@ were set before the first run; those missed are listed with the others."""
 LIMITS = """\
 ## What stands in the way of the rest
 
-* **Slow update.** A crushed cell's fragments reach every finer cell of its line, so after a step of many active cells
-  all N² numbers are new: no step takes less than a pass over the state, and at N = 1000 a copy of it already costs more
-  than 1/20 of our FFTW step, which skips lines without mass and takes the shortest transform for each of the others.
-  What is left above the copy are the K terms of every cell.
-* **Grading at N = 1000.** An arm of the zone has some 26 cells here, each with K = 11 terms along either line, 6 flops a
-  term: 3.7 Mflop, half of the time at the rate that the step by running sums reaches. The shares of the cells that
-  the zone cuts take a sixth, and arms of three or four registers leave the rest to the ends of loops. The yardstick is at
-  its best there: both copies of an 8 MB state fit into the cache of this machine. At N = 4000, where the copy comes from
-  memory, the goal is met.
-* **State at N = 1000.** It is read, copied, and given K falling terms a cell; with N the copy grows as fast and the terms
-  that still count become fewer.
-* **Whole path.** A load costs a zone, a sweep and the bookkeeping of a result, tens of microseconds; 10⁴ × would leave
-  three to four for all of it.
-* **Plain Python lattice.** Passes at loads that rise by half are a generous peer, and right only to the error listed;
-  each crush of ours draws a fragment (three transcendental functions) and takes three critical loads anew, from a state
-  that does not fit into the cache."""
+* **Slow update.** A crushed cell's fragments reach every finer cell of its line, so after a step of many active
+  cells all N² numbers are new: no step takes less than a pass over the state, and at N = 1000 a copy of it already
+  costs more than 1/20 of our FFTW step, which skips lines without mass and takes the shortest transform for each of
+  the others. What is left above the copy are the K terms of every cell.
+* **Grading at N = 1000.** An arm of the zone has some 26 cells here, each with K = 11 terms along either line, 6
+  flops a term: 3.7 Mflop, half of the time at the rate that the step by running sums reaches. The shares of the
+  cells that the zone cuts take a sixth, and arms of three or four registers leave the rest to the ends of loops.
+  The yardstick is at its best there: both copies of an 8 MB state fit into the cache of this machine. At N = 4000,
+  where the copy comes from memory, the goal is met.
+* **State at N = 1000.** It is read, copied, and given K falling terms a cell; with N the copy grows as fast and the
+  terms that still count become fewer.
+* **Whole path.** A load costs a zone, a sweep and the bookkeeping of a result, tens of microseconds; 10⁴ × would
+  leave three to four for all of it.
+* **Plain Python lattice.** Passes at loads that rise by half are a generous peer, and right only to the error
+  listed; each crush of ours draws a fragment (three transcendental functions) and takes three critical loads anew,
+  from a state that does not fit into the cache."""
 
 PENDING = "No run is recorded here yet: `make bench` on a quiet machine, then `--page docs/benchmarks.md`, writes it."
 
