@@ -12,7 +12,7 @@
 namespace comminute {
 namespace {
 
-constexpr Index block = 64;
+constexpr Index block = 96;
 constexpr Index rows_a_tile = 16;
 
 COMMINUTE_MULTIVERSION void add_product(const double* a, const double* b, double* to, Index count) {
