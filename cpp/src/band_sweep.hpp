@@ -22,8 +22,8 @@ struct OuterProduct {
 /// that lands in it has been pushed by shells above, but for the fragments of (m, m) in its own arms; and the cells of
 /// an arm do not feed each other, so every inner loop runs along an arm.
 ///
-/// What a line holds in flight is kept in two parts: K running sums that decay by one bin a shell, and the masses of
-/// the last H shells, H the head of the table, which are added one by one.
+/// What a line holds in flight is kept in two parts: K running sums, brought up to date once a block of shells, and the
+/// masses of the last H shells, H the head of the table, which are added one by one.
 class BandSweep {
   public:
     explicit BandSweep(Index bins);

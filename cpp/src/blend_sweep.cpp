@@ -46,7 +46,7 @@ void BlendSweep::visit(Index i, Index j, double settled_share, double arrived_sh
     if (waiting != 0.0) spread(waiting, j, true, row(i));
     const double landed = row(i)[j] + column(j)[i];
     const double there = state(i, j);
-    const double moving = there * settled_share + landed * arrived_share;
+    const double moving = (settled_share != 0.0 ? there * settled_share : 0.0) + landed * arrived_share;
     out(i, j) = there * (1.0 - settled_share) + landed * (1.0 - arrived_share);
     if (moving != 0.0) crush(i, j, moving);
 }

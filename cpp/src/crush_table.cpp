@@ -12,7 +12,7 @@ namespace {
 
 constexpr double nearly_denormal = 1e-290;
 constexpr double rounding = 1e-17;
-constexpr double largest_growth = 230.0;  // in logs, within a block of shells
+constexpr double largest_growth = 16.0;  // in logs, within a block of shells: exp rounds as often as that
 constexpr Index longest_block = 32;
 
 }  // namespace
@@ -30,7 +30,8 @@ void CrushTable::set_powers() {
     }
 }
 
-// Within a block the weights of what enters grow as the sums should have decayed, the more the steeper the term.
+// Within a block the weights of what enters grow as the sums should have decayed, the more the steeper the term. What
+// falls by one bin, the most of a steep term, is right to the last bit.
 void CrushTable::set_block() {
     if (terms == 0) return;
     const double steepest = *std::max_element(decay.begin(), decay.end());
@@ -40,8 +41,8 @@ void CrushTable::set_block() {
     for (Index b = 0; b < shells_a_block; ++b) {
         const auto shells = static_cast<double>(b);
         for (std::size_t a = 0; a < decay.size(); ++a) {
-            entering.push_back(coefficient[a] * std::exp(decay[a] * (shells - 1.0)));
             falling.push_back(std::exp(-decay[a] * shells));
+            entering.push_back(coefficient[a] * std::exp(-decay[a]) / falling.back());
         }
     }
     for (const double d : decay) block_decay.push_back(std::exp(-d * static_cast<double>(shells_a_block)));

@@ -14,6 +14,7 @@ namespace {
 using Wide = long double;
 
 constexpr std::size_t most_terms = 24;
+constexpr double steepest_decay = 230.0;  // in a bin
 constexpr double longest_rate =
     3.0;  // above it the terms of the sum cancel; the head then takes the steep part
 constexpr double tail_rate = 2.0;
@@ -75,7 +76,7 @@ double on_bins(double b, double rate, double h, FragmentRule rule) {
     return b * 4.0 * s * s / (rate * h);
 }
 
-// Ends with the first error above `most`, or that is not a number (a term too steep for the grid overflows).
+// Ends with the first error above `most`.
 double largest_error(const ExponentialSum& sum, const FragmentPmf& pmf, double most) {
     const std::size_t bins = pmf.mass.size();
     const auto head = static_cast<std::size_t>(sum.head);
@@ -88,8 +89,7 @@ double largest_error(const ExponentialSum& sum, const FragmentPmf& pmf, double m
         double value = 0.0;
         for (std::size_t a = 0; a < sum.decay.size(); ++a)
             value += sum.coefficient[a] * power[a * bins + m - head];
-        const double error = std::abs(value - pmf.mass[m]);
-        if (!(error <= worst)) worst = error;
+        worst = std::max(worst, std::abs(value - pmf.mass[m]));
     }
     return worst;
 }
@@ -108,6 +108,8 @@ void close_balance(ExponentialSum& sum, const FragmentPmf& pmf) {
 
 // Fills in the error; false where the sum is not good enough.
 bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
+    // A law so steep is a bin or two, and its weights would be beyond what numbers hold.
+    if (*std::max_element(sum.decay.begin(), sum.decay.end()) > steepest_decay) return false;
     const double largest = *std::max_element(pmf.mass.begin(), pmf.mass.end());
     const double leaves = pmf.below.size() > 1 ? pmf.below[1] : 1.0;
     const double most = std::min(2e-14 * largest, 1e-15 * leaves);

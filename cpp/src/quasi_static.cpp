@@ -127,7 +127,7 @@ struct QuasiStatic::Work {
         if (std::isfinite(crushed)) return;
         for (Index i = 0; i < grid.bins(); ++i) {
             for (Index j = 0; j < grid.bins(); ++j) {
-                if (std::isfinite(state(i, j))) continue;
+                if (std::isfinite(state(i, j)) || std::abs(i - j) > after.last(std::max(i, j))) continue;
                 throw ParameterError("state[" + std::to_string(i) + ", " + std::to_string(j) + "] is " +
                                      text(state(i, j)) +
                                      "; every entry inside the crush zone must be finite");

@@ -196,7 +196,7 @@ void SumStep::spread_columns(Index begin, Index end, MatrixView<double> out) {
 
 // What the columns' sums, as of `row` + 1, give in rows `row` to 1.
 void SumStep::fall_along_columns(Index begin, Index end, Index row, Index shell, MatrixView<double> out) {
-    const double* falling = table_.falling_at(std::max(shell, Index{0}));
+    const double* falling = table_.falling_at(shell);
     for (Index top = row; top > 0; top -= rows_at_once) {
         const Index first = top - rows_at_once + 1;
         for (Index r = 0; r < rows_at_once; ++r) {

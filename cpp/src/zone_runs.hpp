@@ -17,7 +17,10 @@ struct ZoneRun {
 /// The active cells of a row of the state, as runs. One object per thread; finding them allocates nothing.
 class ZoneRuns {
   public:
+    /// @param zones  must outlive it
     explicit ZoneRuns(const CrushZones& zones);
+    ZoneRuns(const ZoneRuns&) = delete;
+    ZoneRuns& operator=(const ZoneRuns&) = delete;
 
     /// To be called once the zones have another load.
     void set_load();

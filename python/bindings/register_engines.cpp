@@ -75,7 +75,7 @@ void add_engine_methods(py::class_<Guarded<Engine>>& engine) {
 Parameters
 ----------
 p : ndarray (N, N)
-    State [psi, psibar], float64 in C order.
+    State [psi, psibar], float64 in C order, entries at least 0.
 stress_ratio : float
     Load, >= 0.
 out : ndarray (N, N), optional
@@ -153,8 +153,8 @@ void register_slow_update(py::module_& m) {
                                   R"doc(One slow step that touches only what crushes (Section 8.2).
 
 Equal to `FullConvolution` with kind "slow", but it looks only at the band of the zone and spreads
-only the cells in it that hold mass, each along its row or column. Needs no FFTW. Never makes a
-negative entry.
+only the cells in it that hold mass, each along its row or column, or takes running sums where these
+cost less (`report.terms`). Needs no FFTW. Never makes a negative entry.
 
 Parameters
 ----------

@@ -344,8 +344,10 @@ TEST_CASE("laws and sizes outside their range are refused with name, value and r
 TEST_CASE("a law too steep for the grid has no sum") {
     for (const comminute::FragmentRule rule :
          {comminute::FragmentRule::paper, comminute::FragmentRule::conservative}) {
-        const comminute::PowerLawFragments law{1e5};
-        const auto pmf = comminute::fragment_pmf(law, 0.02, 50, rule);
-        CHECK(comminute::exponential_sum(law, 0.02, pmf, rule).coefficient.empty());
+        for (const double exponent : {300.0, 690.0, 1e5}) {
+            const comminute::PowerLawFragments law{exponent};
+            const auto pmf = comminute::fragment_pmf(law, 1.0, 50, rule);
+            CHECK(comminute::exponential_sum(law, 1.0, pmf, rule).coefficient.empty());
+        }
     }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <comminute/quasi_static.hpp>
 #include <optional>
 #include <thread>
@@ -109,11 +110,28 @@ TEST_CASE("a mass in the zone that is no number is refused by its place") {
         QuasiStatic solver = solver_of(way);
         State p = start(2);
         p(57, 56) = not_a_number;
+        p(0, 55) = not_a_number;  // at rest, which is nobody's business
         CHECK_THROWS_WITH_AS(solve(solver, p, 100.0),
                              "state[57, 56] is nan; every entry inside the crush zone must be finite",
                              ParameterError);
         CHECK(solve(solver, start(2), 100.0).state.total() ==
               doctest::Approx(1.0));  // and is none the worse for it
+    }
+}
+
+TEST_CASE("a mass at rest that is no number stays where it is, and touches nothing else") {
+    for (const Way& way : ways) {
+        CAPTURE(way.name);
+        QuasiStatic solver = solver_of(way);
+        State p = start(2);
+        const State expected = solve(solver, p, 100.0).state;
+        p(0, 55) = p(55, 0) = not_a_number;
+        State found = solve(solver, p, 100.0).state;
+        CHECK(std::isnan(found(0, 55)));
+        CHECK(std::isnan(found(55, 0)));
+        found(0, 55) = expected(0, 55);
+        found(55, 0) = expected(55, 0);
+        CHECK(found.mass == expected.mass);
     }
 }
 

@@ -6,7 +6,6 @@ import sys
 import pytest
 
 SCRIPT = """
-import resource
 from pathlib import Path
 
 import comminute as cm
@@ -15,10 +14,16 @@ bins = 2000
 grid, material = cm.LogGrid(-6.0, 1.0, bins), cm.Material()
 start = cm.mixed_fabric(cm.power_law(2.5, 2.5e-3, 1.0), grid)
 solver = cm.QuasiStatic(grid, material)
-before = int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
+
+
+def kilobytes(name):
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith(name))
+
+
+before = kilobytes("VmRSS:")
 after = solver.{call}(start, 1e4)
-peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
-print((peak - before) / (8 * bins**2))
+print(1024 * (kilobytes("VmHWM:") - before) / (8 * bins**2))
 """
 
 

@@ -55,7 +55,7 @@ class FullConvolution {
     FullConvolution(const FullConvolution&) = delete;
     FullConvolution& operator=(const FullConvolution&) = delete;
 
-    /// @param p    (N, N) state before the step, finite
+    /// @param p    (N, N) state before the step, entries finite and at least 0
     /// @param out  (N, N) state after it; may be p itself
     /// @throws ShapeError for other shapes or a partial overlap, ParameterError for a bad load or an entry
     /// that is

@@ -97,7 +97,7 @@ class QuasiStatic {
     /// @param settled_at  load under which it is at rest; none: never loaded
     /// @param out         (N, N) state after it; may be `state` itself
     /// @throws ShapeError for other shapes or a partial overlap; ParameterError for a bad load, or an entry in the zone
-    ///         that is not finite
+    ///         that is not finite; what `out` holds is then of no use
     SolveReport solve(MatrixView<const double> state, double stress_ratio, std::optional<double> settled_at,
                       MatrixView<double> out);
     /// @param grainsize  (N) mass by grainsize after it
