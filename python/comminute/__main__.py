@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import sys
 
+from comminute.whole_files import uninterrupted
+
 NEEDED = ("typer", "pydantic", "xarray", "h5netcdf", "h5py")
-MISSING_EXTRA, STOPPED = 5, 130
+ABORTED, MISSING_EXTRA, STOPPED = 1, 5, 130  # the first is click's own, for Ctrl-C before a command has begun
 
 
 def main() -> None:
     """Run the command line."""
     try:
-        from comminute.cli import app  # noqa: PLC0415  (its libraries are optional)
+        with uninterrupted():  # libraries that are being loaded may not survive it
+            from comminute.cli import app  # noqa: PLC0415  (its libraries are optional)
     except ImportError as error:
         if (error.name or "").split(".")[0] not in NEEDED:
             raise
@@ -20,7 +23,10 @@ def main() -> None:
     except KeyboardInterrupt:
         print("error: interrupted", file=sys.stderr)
         sys.exit(STOPPED)
-    app(prog_name="comminute")
+    try:
+        app(prog_name="comminute")
+    except SystemExit as done:
+        sys.exit(STOPPED if done.code == ABORTED else done.code)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from comminute.lattice_results import LatticeResult
 from comminute.recipe import Recipe, grid_record, material_of, material_record, report_of, report_record
 from comminute.results import Result, needs
 from comminute.tables import is_file, shorten
-from comminute.whole_files import write_whole
+from comminute.whole_files import uninterrupted, write_whole
 
 LAYOUT = "comminute result 1"
 RINGS = ("cells", "replicas", "seed")
@@ -116,9 +116,10 @@ def _require_sealed(file: Path) -> None:
 def require_netcdf(wanted_for: str) -> Any:
     """Load what reads and writes NetCDF, and give xarray; where something is missing, say what to install."""
     try:
-        import h5netcdf  # noqa: F401, PLC0415  (optional dependencies)
-        import h5py  # noqa: F401, PLC0415
-        import xarray as xr  # noqa: PLC0415
+        with uninterrupted():  # libraries that are being loaded may not survive it
+            import h5netcdf  # noqa: F401, PLC0415  (optional dependencies)
+            import h5py  # noqa: F401, PLC0415
+            import xarray as xr  # noqa: PLC0415
     except ImportError as error:
         raise needs("io", "xarray, h5netcdf and h5py", wanted_for) from error
     return xr
@@ -168,7 +169,8 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     if not is_file(file):
         raise ParameterError(f"{shorten(str(file), 200)} does not exist; give a result file (.nc)")
     _require_sealed(file)
-    data = xr.load_dataset(file, engine="h5netcdf", decode_cf=False)
+    with uninterrupted():
+        data = xr.load_dataset(file, engine="h5netcdf", decode_cf=False)
     layout = str(data.attrs.get("layout", ""))
     if layout != LAYOUT:
         raise ParameterError(
