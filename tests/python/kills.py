@@ -176,7 +176,7 @@ def page(found: Mapping[str, Sequence[Remains]], failures: Sequence[str]) -> str
         "to past its end, by SIGKILL or by Ctrl-C; every other time with `--force` over an earlier result. After each",
         "stop every earlier file is as it was, byte for byte, and the loads that are kept are those of an",
         "uninterrupted run, bit for bit; so is the whole result when the last resumption has come to its end, and",
-        f"nothing is left behind. Ctrl-C, wherever it falls, ends the run with exit code {STOPPED}.",
+        f"nothing is left behind. Ctrl-C, wherever it falls, ends the run with exit code {STOPPED}, before its result is written.",
         "",
         f"| stops | {' | '.join(loads)} |",
         f"|---|{'---|' * len(loads)}",
