@@ -6,9 +6,10 @@ The test suite imports this file and asserts what the page says.
 from __future__ import annotations
 
 import math
-from itertools import pairwise
+from collections.abc import Callable
+from itertools import pairwise, product
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,12 +18,27 @@ import comminute as cm
 
 Floats = npt.NDArray[np.float64]
 Scheme = Literal["conservative", "paper"]
-Reading = Literal["linear", "cubic"]
+Reading = Literal["fixed sizes", "edges"]
 
+SCHEMES: tuple[Scheme, ...] = ("conservative", "paper")
 BINS = (65, 129, 257, 513, 1025)
-LENGTH = 8.5
-LOWEST, TIP_CLEARANCE = -6.0, 0.2
+PSI_MIN, PSI_MAX = -8.0, 0.5
+PLACEMENTS = 16
+SIZES = np.arange(-60, 4) / 10.0  # in psi
+CLEARANCE = 0.1  # of sizes read from kinks of the curve: one and a half bins at 129
+REFERENCE_BINS = 8193
 BEGIN, END = "<!-- tables -->", "<!-- end of tables -->"
+
+
+class Curve(NamedTuple):
+    """Mass fraction finer at the edges of bins."""
+
+    edges: Floats
+    finer: Floats
+
+    def between(self, psi: Floats) -> Floats:
+        """Read as the library reads: linearly in psi between edges."""
+        return np.interp(psi, self.edges, self.finer)
 
 
 def normal_pmf(grid: cm.LogGrid, mean: float, sd: float) -> Floats:
@@ -32,52 +48,91 @@ def normal_pmf(grid: cm.LogGrid, mean: float, sd: float) -> Floats:
     return np.diff(finer)
 
 
-def tip_of(stress_ratio: float) -> float:
-    """Log size that crushes among equals, w = 3 and reference size 1."""
+def solve(bins: int, n: float, stress_ratio: float, scheme: Scheme, psi_max: float = PSI_MAX) -> Curve:
+    """Grading of the lognormal start under one load, w = 3 and reference size 1."""
+    grid = cm.LogGrid(PSI_MIN, psi_max, bins)
+    start = np.outer(normal_pmf(grid, -1.0, 0.4), normal_pmf(grid, -1.2, 0.3))
+    after = cm.QuasiStatic(grid, cm.Material(fabric_width=n), scheme).marginal(start, stress_ratio)
+    return Curve(grid.edges, np.append(0.0, np.cumsum(after)))
+
+
+def tip(stress_ratio: float) -> float:
+    """Log size that crushes among equals, the tip of the zone; w = 3, reference size 1."""
     return -math.log(stress_ratio)
 
 
-def lowest_centre(stress_ratio: float, *, tip_on_centre: bool) -> float:
-    """psi_min: -8, or less than half a coarsest bin away from it such that the tip is a centre of every grid."""
-    tip, widest = tip_of(stress_ratio), LENGTH / (BINS[0] - 1)
-    return tip - round((tip + 8.0) / widest) * widest if tip_on_centre else -8.0
+def kinks(n: float, stress_ratio: float) -> list[float]:
+    """Where the curve has a kink among the sizes read: the tip, and the size whose band reaches the fines bin."""
+    psi = np.linspace(SIZES[0] - 1.0, PSI_MAX, 200_001)
+    excess = psi - tip(stress_ratio)
+    reaches = (excess > 0.0) & (psi - n * np.sqrt(2.0 * np.maximum(excess, 0.0)) < PSI_MIN)
+    crossings = psi[1:][np.diff(reaches.astype(int)) != 0]
+    return [float(kink) for kink in (tip(stress_ratio), *crossings) if kink > psi[0]]
 
 
-def cdf(bins: int, n: float, stress_ratio: float, scheme: Scheme, psi_min: float, reading: Reading) -> Floats:
-    """Mass fraction finer than the centres of the coarsest grid, read between the edges of bins."""
-    grid = cm.LogGrid(psi_min, psi_min + LENGTH, bins)
-    start = np.outer(normal_pmf(grid, -1.0, 0.4), normal_pmf(grid, -1.2, 0.3))
-    after = cm.QuasiStatic(grid, cm.Material(fabric_width=n), scheme).marginal(start, stress_ratio)
-    at_edges = np.append(0.0, np.cumsum(after))
-    i = np.arange(1, BINS[0] - 1) * ((bins - 1) // (BINS[0] - 1))
-    linear = np.asarray(0.5 * (at_edges[i] + at_edges[i + 1]))
-    if reading == "linear":
-        return linear
-    return np.asarray((18.0 * linear - at_edges[i - 1] - at_edges[i + 2]) / 16.0)
+def placements(bins: int, n: float, stress_ratio: float) -> list[float]:
+    """psi_max of grids that carry the first kink through all places of a bin; psi_min, the fines' size, stays."""
+    length, cells = PSI_MAX - PSI_MIN, bins - 1
+    above = (anchor(n, stress_ratio) - PSI_MIN) / length * cells
+    return [PSI_MIN + length * above / (above - moved / PLACEMENTS) for moved in range(PLACEMENTS)]
+
+
+def anchor(n: float, stress_ratio: float) -> float:
+    """Size whose place in its bin is varied; any will do where there is no kink."""
+    return (kinks(n, stress_ratio) or [-4.0])[0]
+
+
+def exact(n: float, stress_ratio: float) -> Callable[[Floats], Floats]:
+    """Curve of a fine grid with the first kink on an edge, read by cubics that do not reach across it."""
+    kink, cells = anchor(n, stress_ratio), REFERENCE_BINS - 1
+    edge = round((kink - PSI_MIN) / (PSI_MAX - PSI_MIN) * cells + 0.5)
+    spacing = (kink - PSI_MIN) / (edge - 0.5)
+    finer = solve(REFERENCE_BINS, n, stress_ratio, "conservative", PSI_MIN + spacing * cells).finer
+
+    def read(psi: Floats) -> Floats:
+        place = (psi - PSI_MIN) / spacing + 0.5
+        first = np.floor(place).astype(int) - 1
+        first = np.where(psi < kink, np.minimum(first, edge - 3), np.maximum(first, edge))
+        t = place - first
+        weights = [
+            -(t - 1) * (t - 2) * (t - 3) / 6,
+            t * (t - 2) * (t - 3) / 2,
+            -t * (t - 1) * (t - 3) / 2,
+            t * (t - 1) * (t - 2) / 6,
+        ]
+        return np.asarray(sum(weight * finer[first + i] for i, weight in enumerate(weights)))
+
+    return read
+
+
+def worst(curves: list[Curve], expected: Callable[[Floats], Floats], sizes: Floats | None, avoid: list[float]) -> float:
+    """Largest error of some curves: at sizes, or (None) at their own edges, clear of the places to avoid."""
+
+    def error(curve: Curve) -> float:
+        psi = curve.edges if sizes is None else sizes
+        among = (psi >= SIZES[0]) & (psi <= SIZES[-1])
+        read = psi[among & np.all([np.abs(psi - place) >= CLEARANCE - 1e-9 for place in (99.0, *avoid)], axis=0)]
+        return float(np.abs(curve.between(read) - expected(read)).max())
+
+    return max(error(curve) for curve in curves)
 
 
 def errors(
-    n: float,
-    stress_ratio: float,
-    *,
-    reading: Reading = "linear",
-    tip_on_centre: bool = False,
-    clearance: float = TIP_CLEARANCE,
-) -> dict[Scheme, list[float]]:
-    """Largest error of the cdf for each number of bins, both schemes against one extrapolated solution."""
-    psi_min = lowest_centre(stress_ratio, tip_on_centre=tip_on_centre)
-    at = psi_min + LENGTH / (BINS[0] - 1) * np.arange(1, BINS[0] - 1)
-    read = (at >= LOWEST) & (np.abs(at - tip_of(stress_ratio)) > clearance)
-    fine, finest = (cdf(bins, n, stress_ratio, "conservative", psi_min, "cubic") for bins in (2049, 4097))
-    exact = finest + (finest - fine) / 3.0
+    n: float, stress_ratio: float, scheme: Scheme, *, at: Reading = "fixed sizes", one_grid: bool = False
+) -> list[float]:
+    """Largest error over all placements of the grid, for each number of bins.
 
-    def worst(scheme: Scheme, bins: int) -> float:
-        return float(np.abs(cdf(bins, n, stress_ratio, scheme, psi_min, reading) - exact)[read].max())
+    At fixed sizes both kinks are avoided, for they lie inside a bin; at edges that of the fines bin only.
+    """
+    avoid = [kink for kink in kinks(n, stress_ratio) if at == "fixed sizes" or kink != tip(stress_ratio)]
+    expected = exact(n, stress_ratio)
+    sizes = SIZES if at == "fixed sizes" else None
 
-    return {
-        "conservative": [worst("conservative", bins) for bins in BINS],
-        "paper": [worst("paper", bins) for bins in BINS],
-    }
+    def of(bins: int) -> float:
+        ends = [PSI_MAX] if one_grid else placements(bins, n, stress_ratio)
+        return worst([solve(bins, n, stress_ratio, scheme, end) for end in ends], expected, sizes, avoid)
+
+    return [of(bins) for bins in BINS]
 
 
 def orders(of_errors: list[float]) -> list[float]:
@@ -85,40 +140,30 @@ def orders(of_errors: list[float]) -> list[float]:
     return [math.log2(coarse / fine) for coarse, fine in pairwise(of_errors)]
 
 
-def table(
-    cases: list[tuple[float, float]], reading: Reading, *, tip_on_centre: bool = False, clearance: float = TIP_CLEARANCE
-) -> str:
-    """Markdown table of errors and orders."""
+def table(at: Reading, *, one_grid: bool = False) -> str:
+    """Markdown table of errors and orders of both schemes."""
     lines = ["| load | n | scheme | " + " | ".join(f"N = {bins}" for bins in BINS) + " | orders |"]
     lines.append("|---" * (len(BINS) + 4) + "|")
-    for stress_ratio, n in cases:
-        of_schemes = errors(n, stress_ratio, reading=reading, tip_on_centre=tip_on_centre, clearance=clearance)
-        for scheme, worst in of_schemes.items():
-            shown = " | ".join(f"{error:.1e}" for error in worst)
-            order = " ".join(f"{value:.2f}" for value in orders(worst)) if max(worst) > 1e-12 else "(rounding)"
+    for stress_ratio, n in product((8.0, 1e4), (0.05, 1.0, 100.0)):
+        for scheme in SCHEMES:
+            found = errors(n, stress_ratio, scheme, at=at, one_grid=one_grid)
+            shown = " | ".join(f"{error:.1e}" for error in found)
+            order = " ".join(f"{value:.2f}" for value in orders(found)) if max(found) > 1e-12 else "(rounding)"
             lines.append(f"| {stress_ratio:g} | {n:g} | {scheme} | {shown} | {order} |")
     return "\n".join(lines)
 
 
 def page() -> str:
     """Return the part of the page that this script writes."""
-    every = [(8.0, 0.05), (8.0, 1.0), (8.0, 100.0), (1e4, 0.05), (1e4, 1.0), (1e4, 100.0)]
-    wide = [(8.0, 1.0), (8.0, 100.0)]
     return "\n\n".join(
         [
             f"comminute {cm.__version__}.",
-            "## Linear reading",
-            table(every, "linear"),
-            "## Cubic reading",
-            table(every, "cubic"),
-            "## Tip on a bin centre of every grid",
-            "Linear reading:",
-            table(wide, "linear", tip_on_centre=True),
-            "Cubic reading:",
-            table(wide, "cubic", tip_on_centre=True),
-            "## At the tip",
-            "Linear reading, sizes next to the tip included, the tip on a bin centre:",
-            table(wide, "linear", tip_on_centre=True, clearance=-1.0),
+            "## At fixed sizes, worst of 16 grids",
+            table("fixed sizes"),
+            "## At the edges of bins, worst of 16 grids",
+            table("edges"),
+            "## At fixed sizes, one grid",
+            table("fixed sizes", one_grid=True),
         ]
     )
 

@@ -1,6 +1,7 @@
 """Answers known in closed form."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -108,3 +109,36 @@ def test_without_fabric_only_size_decides(bins: int) -> None:
     np.testing.assert_allclose(result.cdf[0][below], result.edge_size[below] * math.exp(3.0), rtol=0.0, atol=1e-13)
     expected = 1.0 + 3.0 + h / 2 - (h / 2) / math.sinh(h / 2) + (h / 2) / math.tanh(h / 2)
     assert result.crushes[0] == pytest.approx(expected, abs=math.exp(-10.0))  # what lies in the fines bin
+
+
+@pytest.mark.parametrize("engine", [cm.FullConvolution, cm.SlowUpdate])
+def test_without_fabric_grains_crush_1_plus_poisson_times(
+    engine: type[cm.FullConvolution] | type[cm.SlowUpdate],
+) -> None:
+    """Fabric off, uniform fragments: from s_max to rest a grain crushes 1 + Poisson(ln(s_max / s_c)) times.
+
+    A step crushes every active grain once, so that the mass still active after t steps is that of more than t crushes.
+    The neighbours lie among the fines and never crush; s_c is a bin edge, where the centre test is exact.
+    """
+    drop, load = 3.0, math.exp(3.0)  # w = 3: ln s_c = -3
+    more_than = 1.0 - np.cumsum([math.exp(-drop) * drop**k / math.factorial(k) for k in range(14)])
+
+    def error(bins_above: int) -> tuple[float, float]:
+        h = drop / (bins_above - 0.5)
+        grid = cm.LogGrid(-h * (2 * bins_above), 0.0, 2 * bins_above + 1)
+        material = cm.Material(fabric_width=math.inf, fragments=cm.PowerLawFragments(1.0))
+        p = np.zeros((grid.bins, grid.bins))
+        p[-1, 0] = 1.0
+        count = cm.QuasiStatic(grid, material)
+        count.solve(p, load)
+        steps, active = engine(grid, material, fragment_rule="conservative"), []
+        for _ in more_than:
+            p = steps.step(p, load)
+            active.append(p[-bins_above:].sum())
+        # The mean number of crushes, of one solve, is the sum of the chances of more than 0, 1, 2, ...
+        assert count.report.crushed == pytest.approx(1.0 + sum(active), abs=1e-5)  # more than 14 crushes
+        return h, float(np.abs(np.array(active) - more_than).max())
+
+    errors = [error(bins_above) for bins_above in (16, 32, 64, 128)]
+    for (wide, coarse), (narrow, fine) in pairwise(errors):
+        assert math.log(coarse / fine) / math.log(wide / narrow) == pytest.approx(2.0, abs=0.01)

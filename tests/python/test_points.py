@@ -234,6 +234,22 @@ def test_the_error_from_equal_grains_does_not_grow_where_the_zone_is_narrow(load
         assert np.abs(cdf(145, "binned") - exact).max() > 0.2
 
 
+@pytest.mark.parametrize("load", [1.0, 1.001])
+def test_equal_grains_spread_over_a_bin_wider_than_the_zone_hardly_crush(load: float) -> None:
+    def error(bins: int, points: Literal["exact", "binned"]) -> float:
+        grid = cm.LogGrid(-6.0, 1.0, bins)
+        start = cm.mixed_fabric(cm.monodisperse(1.0), grid, points=points)
+        finer = cm.QuasiStatic(grid, cm.Material()).solve(start, load).cdf()
+        below = grid.edges[1:][grid.edges[1:] < -1e-9]
+        return float(np.abs(finer[: below.size] - 0.5 * cm.WeibullFragments().cdf(below)).max())
+
+    # Of all that crushed once, load - 1 times the density at X = 1, at most 1 - 1/e of it, crushes again.
+    for bins in (33, 127, 500, 1001):
+        assert error(bins, "exact") < 1e-15 + (load - 1.0)
+    assert 0.40 < error(127, "binned") < 0.45
+    assert error(1001, "binned") > 0.2
+
+
 @pytest.mark.parametrize("mean", ["arithmetic", "geometric"])
 def test_a_gap_graded_packing_load_by_load(mean: Literal["arithmetic", "geometric"]) -> None:
     grid, material = cm.LogGrid(-8.0, 0.5, 300), cm.Material(fabric_width=0.3)
