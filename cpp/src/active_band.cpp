@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shell_zone.hpp"
-
 namespace comminute {
 
 ActiveBand::ActiveBand(const LogGrid& grid, const Material& material, Scheme scheme)
@@ -35,19 +33,28 @@ void ActiveBand::set_load(double stress_ratio) {
     }
     if (stress_ratio == 0.0) return;
     const ShellZones zones(grid_, material_, std::log(stress_ratio));
-    for (Index m = 1; m < grid_.bins(); ++m) {
-        const ShellZone zone = zones[m];
-        const auto at = static_cast<std::size_t>(m);
-        full_[at] = zone.surely_whole(m);
-        last_[at] = zone.surely_last(m);
-        first_partial_[at] = static_cast<Index>(partial_.size());
-        const auto partial = static_cast<std::size_t>(std::max(last_[at] + 1 - full_[at], Index{0}));
-        partial_.resize(partial_.size() + partial);
-        zone.shares(full_[at], last_[at], partial_.data() + first_partial_[at]);
-        while (last_[at] >= full_[at] && partial_.back() == 0.0) {
-            partial_.pop_back();
-            --last_[at];
-        }
+    for (Index begin = 0; begin < grid_.bins(); begin += lanes) set_shells(zones, begin);
+}
+
+// Shells from one on, as many as there are lanes; shell 0, fines among fines, rests.
+void ActiveBand::set_shells(const ShellZones& zones, Index begin) {
+    const ShellZones::Extents extents = zones.extents(begin);
+    const auto end = static_cast<std::size_t>(std::min(lanes, grid_.bins() - begin));
+    Index rows = 0;
+    for (std::size_t l = begin == 0 ? 1 : 0; l < end; ++l) {
+        rows = std::max(rows, extents.last[l] + 1 - extents.whole[l]);
+    }
+    shares_.resize(std::max(shares_.size(), static_cast<std::size_t>(rows * lanes)));
+    zones.shares(begin, extents.whole, rows, shares_.data());
+    for (std::size_t l = begin == 0 ? 1 : 0; l < end; ++l) {
+        const auto m = static_cast<std::size_t>(begin) + l;
+        const double* const share = shares_.data() + l;
+        Index partly = std::max(extents.last[l] + 1 - extents.whole[l], Index{0});
+        while (partly > 0 && share[(partly - 1) * lanes] == 0.0) --partly;
+        full_[m] = extents.whole[l];
+        last_[m] = extents.whole[l] + partly - 1;
+        first_partial_[m] = static_cast<Index>(partial_.size());
+        for (Index row = 0; row < partly; ++row) partial_.push_back(share[row * lanes]);
     }
 }
 

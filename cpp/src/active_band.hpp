@@ -5,6 +5,7 @@
 
 #include "comminute/criterion.hpp"
 #include "comminute/quasi_static.hpp"
+#include "shell_zone.hpp"
 
 namespace comminute {
 
@@ -30,6 +31,8 @@ class ActiveBand {
     }
 
   private:
+    void set_shells(const ShellZones& zones, Index begin);
+
     LogGrid grid_;
     Material material_;
     Scheme scheme_;
@@ -38,6 +41,7 @@ class ActiveBand {
     std::vector<Index> last_;
     std::vector<Index> first_partial_;
     std::vector<double> partial_;
+    std::vector<double> shares_;  // of the shells at hand
 };
 
 }  // namespace comminute

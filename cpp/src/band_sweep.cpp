@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lanes.hpp"
 #include "loops.hpp"
@@ -21,9 +22,13 @@ BandSweep::BandSweep(Index bins)
       column_stride_(row_stride(bins)),
       first_(static_cast<std::size_t>(bins)),
       crushed_rows_(static_cast<std::size_t>(bins)) {
-    for (LaneVector* line : {&arriving_, &entering_, &settled_share_, &arrived_share_, &last_row_}) {
+    for (LaneVector* line :
+         {&part_, &settled_share_, &arrived_share_, &last_row_, &columns_.landed, &columns_.besides,
+          &columns_.entering, &rows_.landed, &rows_.besides, &rows_.entering}) {
         line->resize(static_cast<std::size_t>(bins + lanes));
     }
+    columns_.along = rows_.across = &OuterProduct::psibar;
+    columns_.across = rows_.along = &OuterProduct::psi;
 }
 
 void BandSweep::prepare(const CrushTable& table, const ActiveBand& after, bool whole_state) {
@@ -62,12 +67,12 @@ Index BandSweep::last_shell_of(const CrushTable& table, Index m) const {
 
 // What the sums of line m come to at its own shell; what they give there.
 double BandSweep::arrive_on_diagonal(const CrushTable& table, Lines& lines, Index m) const {
-    double arriving = 0.0;
     const Index shell = m + table.head + 1;
     const double enters = shell < bins_ && first(shell) <= m ? *pushed(lines, shell, m) : 0.0;
     const double* sums = lines.sums.data() + lanes_down(m) * table.terms + m % lanes;
     const double* weight = table.entering_at(block_shell_);
     const double* decay = table.falling_at(block_shell_);
+    double arriving = 0.0;
     for (Index a = 0; a < table.terms; ++a) {
         const double own = decay[a] * (sums[a * lanes] + weight[a] * enters);
         lines.own[static_cast<std::size_t>(a)] = own;
@@ -87,35 +92,29 @@ void BandSweep::set_crossing(const CrushTable& table, Lines& lines, double pushe
     }
 }
 
-// What lands in the arm of shell m whose mass falls along `lines`, from these lines and along line m of the `other`
-// direction, which crosses them all.
-void BandSweep::arrive_on_arm(const CrushTable& table, Lines& lines, const Lines& other, Index m) {
+// What lands in the arm of shell m whose mass falls along `lines` that no sum speaks of; null where that is nothing.
+const double* BandSweep::arrive_besides(const CrushTable& table, Lines& lines, const Lines& other,
+                                        const std::vector<OuterProduct>& arrivals, Index m) {
+    if (by_line_ && arrivals.empty()) return nullptr;
     const Index begin = first(m);
-    const Index from_pack = lanes_down(begin);
-    const Index count = lanes_up(m) - from_pack;
-    double* arriving = arriving_.data();
-    if (table.terms > 0) {
-        const Falling falling{table.terms,
-                              table.entering_at(block_shell_),
-                              table.falling_at(block_shell_),
-                              other.crossing.data(),
-                              table.powers_towards(0, m, from_pack),
-                              table.stride,
-                              lines.sums.data() + from_pack * table.terms};
-        advance(falling, entering_the_sums(table, lines, m) + from_pack, arriving + from_pack, count);
-    } else {
-        std::fill(arriving + begin, arriving + m, 0.0);
-    }
+    double* const besides = lines.besides.data();
+    std::fill(besides + lanes_down(begin), besides + lanes_up(m), 0.0);
     if (!by_line_) arrive_from_head(table, lines, other, m);
+    for (const OuterProduct& from : arrivals) {
+        const double factor = (from.*lines.across)[static_cast<std::size_t>(m)];
+        if (factor != 0.0) add_scaled(factor, (from.*lines.along).data() + begin, besides + begin, m - begin);
+    }
+    return besides;
 }
 
 // The shells that the head speaks of, one by one, and in parts: a sum of hundreds of numbers is rounded as often.
-void BandSweep::arrive_from_head(const CrushTable& table, const Lines& lines, const Lines& other, Index m) {
+void BandSweep::arrive_from_head(const CrushTable& table, Lines& lines, const Lines& other, Index m) {
     const Index begin = first(m);
     const Index last = last_shell_of(table, m);
-    double* const part = last - m < shells_a_part ? arriving_.data() : entering_.data();
+    double* const all = lines.besides.data();
+    double* const part = last - m < shells_a_part ? all : part_.data();
     for (Index top = last; top >= m; top -= shells_a_part) {
-        if (part != arriving_.data()) std::fill(part + begin, part + m, 0.0);
+        if (part != all) std::fill(part + begin, part + m, 0.0);
         for (Index shell = top; shell >= m && shell > top - shells_a_part; --shell) {
             const Index from = std::max(begin, first(shell));
             if (from < m && shell > m) {
@@ -125,16 +124,16 @@ void BandSweep::arrive_from_head(const CrushTable& table, const Lines& lines, co
             const double mass = *pushed(other, shell, m);
             if (mass != 0.0) add_scaled(mass, table.mass_towards(shell, begin), part + begin, m - begin);
         }
-        if (part != arriving_.data()) add_scaled(1.0, part + begin, arriving_.data() + begin, m - begin);
+        if (part != all) add_scaled(1.0, part + begin, all + begin, m - begin);
     }
 }
 
 // By line, for the lines of the arm of shell m and 0 for those that share a pack with them.
-const double* BandSweep::entering_the_sums(const CrushTable& table, const Lines& lines, Index m) {
+const double* BandSweep::entering_the_sums(const CrushTable& table, Lines& lines, Index m) {
     if (by_line_) return lines.pushed.data();
     const Index shell = m + table.head + 1;
     const Index from = shell < bins_ ? std::max(first(m), first(shell)) : m;
-    double* entering = entering_.data();
+    double* const entering = lines.entering.data();
     std::fill(entering + lanes_down(first(m)), entering + lanes_up(m), 0.0);
     if (from < m) std::copy_n(pushed(lines, shell, from), m - from, entering + from);
     return entering;
@@ -143,8 +142,11 @@ const double* BandSweep::entering_the_sums(const CrushTable& table, const Lines&
 // What lands in the fines cell at the end of an arm: along its own line as anywhere, along the crossing one all that
 // falls below the grid.
 double BandSweep::landed_in_fines(const CrushTable& table, const Lines& lines, const Lines& other,
-                                  Index m) const {
+                                  const std::vector<OuterProduct>& arrivals, Index m) const {
     double landed = other.fines[static_cast<std::size_t>(m)];
+    for (const OuterProduct& from : arrivals) {
+        landed += (from.*lines.across)[static_cast<std::size_t>(m)] * (from.*lines.along)[0];
+    }
     const double* decay = table.falling_at(block_shell_);
     for (Index a = 0; a < table.terms; ++a) {
         landed += decay[a] * lines.sums[static_cast<std::size_t>(a * lanes)];
@@ -156,38 +158,50 @@ double BandSweep::landed_in_fines(const CrushTable& table, const Lines& lines, c
     return landed;
 }
 
-// Arrays for the arms, 0 in the cells that share a pack with an arm's ends; the diagonal cell's share apart.
+// Arrays for the arms, 0 in the cells that share a pack with an arm's ends; apart the shares of the diagonal cell and of
+// the fines cells, whose arrivals are of another kind.
 void BandSweep::set_shares(const ActiveBand& before, const ActiveBand& after, Index m) {
-    double* arrived = arrived_share_.data();
-    const Index last = std::min(after.last(m), m);
+    double* const arrived = arrived_share_.data();
+    const Index last = std::clamp(after.last(m), Index{0}, m);
     const Index whole = std::max(after.full(m) - 1, Index{0});  // cells of an arm
-    std::fill(arrived + lanes_down(first(m)), arrived + m - std::max(last, Index{0}), 0.0);
+    for (Index line = lanes_down(first(m)); line < m - last; ++line) arrived[line] = 0.0;
     for (Index d = last; d > whole; --d) arrived[m - d] = after.share(m, d);
-    std::fill(arrived + m - whole, arrived + m, 1.0);
-    std::fill(arrived + m, arrived + lanes_up(m), 0.0);
-    diagonal_arrived_ = diagonal_settled_ = after.share(m, 0);
+    for (Index line = m - whole; line < std::min(m, ones_from_); ++line) arrived[line] = 1.0;
+    ones_from_ = m - whole;
+    arrived[m] = 0.0;
+    const bool to_fines = first(m) == 0 && m > 0;
+    if (to_fines) arrived[0] = after.share(m, m);
+    diagonal_.arrived = diagonal_.settled = after.share(m, 0);
     settled_ = arrived;
-    if (before.last(m) < 0) return;
-
-    // Mass that has settled fills the part of its cell outside the old zone, which rounding may make the larger one.
-    const auto of_settled = [](double& now, double was) {
-        now = std::max(now, was);
-        return was < 1.0 ? (now - was) / (1.0 - was) : 0.0;
-    };
-    double* settled = settled_share_.data();
-    settled_ = settled;
-    std::copy(arrived + lanes_down(first(m)), arrived + lanes_up(m), settled + lanes_down(first(m)));
-    for (Index d = std::min(before.last(m), m - first(m)); d > 0; --d) {
-        settled[m - d] = of_settled(arrived[m - d], before.share(m, d));
+    if (before.last(m) >= 0) {
+        // Mass that has settled fills the part of its cell outside the old zone, which rounding may make the larger one.
+        const auto of_settled = [](double& now, double was) {
+            now = std::max(now, was);
+            return was < 1.0 ? (now - was) / (1.0 - was) : 0.0;
+        };
+        double* const settled = settled_share_.data();
+        settled_ = settled;
+        std::copy(arrived + lanes_down(first(m)), arrived + lanes_up(m), settled + lanes_down(first(m)));
+        for (Index d = std::min(before.last(m), m - first(m)); d > 0; --d) {
+            settled[m - d] = of_settled(arrived[m - d], before.share(m, d));
+        }
+        diagonal_.settled = of_settled(diagonal_.arrived, before.share(m, 0));
     }
-    diagonal_settled_ = of_settled(diagonal_arrived_, before.share(m, 0));
+    if (to_fines) {
+        fines_ = {settled_[0], arrived[0]};
+        arrived[0] = settled_share_[0] = 0.0;
+    }
 }
 
-double BandSweep::crush_diagonal(const CrushTable& table, Index m, double there, double* rest) {
-    const double landed = arriving_[static_cast<std::size_t>(m)];
-    const double moving = diagonal_settled_ != 0.0 ? there * diagonal_settled_ : 0.0;
-    const double half = 0.5 * (moving + landed * diagonal_arrived_);
-    if (rest != nullptr) rest[m] = there * (1.0 - diagonal_settled_) + landed * (1.0 - diagonal_arrived_);
+// Takes the active part out of a cell apart, and leaves the rest where that is wanted.
+double BandSweep::crush_cell(Shares share, double there, double landed, double* rest) {
+    if (rest != nullptr) *rest = there * (1.0 - share.settled) + landed * (1.0 - share.arrived);
+    return (share.settled != 0.0 ? there * share.settled : 0.0) + landed * share.arrived;
+}
+
+double BandSweep::crush_diagonal(const CrushTable& table, Index m, double there, double landed,
+                                 double* rest) {
+    const double half = 0.5 * crush_cell(diagonal_, there, landed, rest);
     for (Lines* lines : {&columns_, &rows_}) {
         *pushed(*lines, m, m) = half;
         lines->fines[static_cast<std::size_t>(m)] += half * table.below[static_cast<std::size_t>(m)];
@@ -195,22 +209,67 @@ double BandSweep::crush_diagonal(const CrushTable& table, Index m, double there,
     return half;
 }
 
-// Moves the active part of an arm onto its lines; the total that moved.
-double BandSweep::crush_arm(const CrushTable& table, Lines& lines, Index m, const double* there,
-                            double* rest) {
-    const Index begin = first(m);
-    const double below = table.below[static_cast<std::size_t>(m)];
-    const auto from = [&](Index line) {
-        return Crushing{there + line, arriving_.data() + line, settled_ + line, arrived_share_.data() + line,
-                        below};
-    };
-    const Index pack = lanes_down(begin);
-    double* const diagonal = pushed(lines, m, m);
-    const double half = *diagonal;
-    const double moved =
-        push(from(pack), pushed(lines, m, pack), lines.fines.data() + pack, lanes_up(m) - pack);
-    *diagonal = half;
-    if (rest != nullptr) leave(from(begin), rest + begin, m - begin);
+// Moves the active part of the fines cell at the end of an arm onto its line.
+double BandSweep::crush_fines(const CrushTable& table, Lines& lines, const Lines& other,
+                              const std::vector<OuterProduct>& arrivals, Index m, double there,
+                              double* rest) {
+    const double moved = crush_cell(fines_, there, landed_in_fines(table, lines, other, arrivals, m), rest);
+    *pushed(lines, m, 0) = moved;
+    lines.fines[0] += moved * table.below[static_cast<std::size_t>(m)];
+    return moved;
+}
+
+Arm BandSweep::arm_of(const CrushTable& table, Lines& lines, const Lines& other,
+                      const std::vector<OuterProduct>& arrivals, Index m, const double* there,
+                      bool whole_state) {
+    const Index from = lanes_down(first(m));
+    const double* const besides = arrive_besides(table, lines, other, arrivals, m);
+    return {there + from,
+            besides != nullptr ? besides + from : nullptr,
+            entering_the_sums(table, lines, m) + from,
+            lines.sums.data() + from * table.terms,
+            other.crossing.data(),
+            whole_state ? lines.landed.data() + from : nullptr,
+            pushed(lines, m, from),
+            lines.fines.data() + from};
+}
+
+// Moves the active part of both arms of shell m onto their lines, and leaves the rest where `rest_row` and `column` are
+// wanted.
+Moved BandSweep::crush_arms_of(const CrushTable& table, const std::vector<OuterProduct>& arrivals, Index m,
+                               const double* row, double* column, double* rest_row) {
+    const bool whole_state = rest_row != nullptr;
+    const Index from = lanes_down(first(m));
+    const double half = *pushed(columns_, m, m);
+    const Shell shell{table.terms,
+                      table.entering_at(block_shell_),
+                      table.falling_at(block_shell_),
+                      table.powers_towards(0, m, from),
+                      table.stride,
+                      settled_ + from,
+                      arrived_share_.data() + from,
+                      table.below[static_cast<std::size_t>(m)]};
+    Moved moved =
+        crush_arms(shell, arm_of(table, columns_, rows_, arrivals, m, row, whole_state),
+                   arm_of(table, rows_, columns_, arrivals, m, column, whole_state), lanes_up(m) - from);
+    *pushed(columns_, m, m) = *pushed(rows_, m, m) = half;
+
+    const bool to_fines = first(m) == 0 && m > 0;
+    if (whole_state) {
+        const Index begin = to_fines ? 1 : first(m);
+        const auto leave_on = [&](const Lines& lines, const double* there, double* rest) {
+            leave(
+                {there + begin, lines.landed.data() + begin, settled_ + begin, arrived_share_.data() + begin},
+                rest + begin, m - begin);
+        };
+        leave_on(columns_, row, rest_row);
+        leave_on(rows_, column, column);
+    }
+    if (to_fines) {
+        moved.first += crush_fines(table, columns_, rows_, arrivals, m, row[0], rest_row);
+        moved.second +=
+            crush_fines(table, rows_, columns_, arrivals, m, column[0], whole_state ? column : nullptr);
+    }
     return moved;
 }
 
@@ -250,11 +309,26 @@ const double* BandSweep::row_of(MatrixView<const double> state, Index m) {
     return last_row_.data();
 }
 
+// By squares, from above the diagonal or across it; what lies below is of no use, and of no harm.
 void BandSweep::take_columns(MatrixView<const double> state, Index begin, Index end) {
-    for (Index i = first(begin); i < end - 1; ++i) {
-        fetch(state.row(std::min(i + 2 * rows_ahead, end - 1)) + begin, end - begin);
-        for (Index m = std::max(begin, i + 1); m < end; ++m) {
-            block_[static_cast<std::size_t>((m - begin) * column_stride_ + i)] = state(i, m);
+    const auto column_from = [&](Index m, Index i) {
+        return block_.data() + (m - begin) * column_stride_ + i;
+    };
+    for (Index i = lanes_down(first(begin)); i < end - 1; i += lanes) {
+        const Index rows_end = std::min(i + lanes, bins_);
+        for (Index r = i + lanes; r < std::min(i + 2 * lanes, end); ++r)
+            fetch(state.row(r) + begin, end - begin);
+        for (Index m_end = end; m_end > std::max(begin, i + 1); m_end -= lanes) {
+            const Index m = std::max(m_end - lanes, begin);
+            if (rows_end <= first(m)) continue;
+            if (m_end - m == lanes && rows_end - i == lanes) {
+                transpose(state.row(i) + m, state.stride(), column_from(m, i), column_stride_);
+                continue;
+            }
+            for (Index row = i; row < rows_end; ++row) {
+                for (Index column = m; column < m_end; ++column)
+                    *column_from(column, row) = state(row, column);
+            }
         }
     }
 }
@@ -272,8 +346,9 @@ void BandSweep::run(const CrushTable& table, const ActiveBand& before, const Act
                     MatrixView<double>* out) {
     prepare(table, after, out != nullptr);
     block_.resize(static_cast<std::size_t>(columns_a_block * column_stride_));
-    double* arriving = arriving_.data();
     block_shell_ = 0;
+    ones_from_ = bins_;
+    std::fill(arrived_share_.begin(), arrived_share_.end(), 0.0);
     for (Index end = bins_; end > 0; end -= std::min(end, columns_a_block)) {
         const Index begin = std::max(Index{0}, end - columns_a_block);
         take_columns(state, begin, end);
@@ -286,33 +361,17 @@ void BandSweep::run(const CrushTable& table, const ActiveBand& before, const Act
             for (const OuterProduct& from : arrivals) {
                 landed += from.psi[static_cast<std::size_t>(m)] * from.psibar[static_cast<std::size_t>(m)];
             }
-            arriving[m] = landed;
-            const double half = crush_diagonal(table, m, state(m, m), out != nullptr ? out->row(m) : nullptr);
-
+            double* const rest = out != nullptr ? out->row(m) : nullptr;
+            const double* const row = row_of(state, m);
+            const double half =
+                crush_diagonal(table, m, row[m], landed, rest != nullptr ? rest + m : nullptr);
             set_crossing(table, columns_, half);
             set_crossing(table, rows_, half);
-
-            const auto arm = [&](Lines& lines, const Lines& other, const double* there, double* rest,
-                                 auto along, auto across) {
-                arrive_on_arm(table, lines, other, m);
-                if (first(m) == 0 && m > 0) arriving[0] = landed_in_fines(table, lines, other, m);
-                for (const OuterProduct& from : arrivals) {
-                    const double factor = (from.*across)[static_cast<std::size_t>(m)];
-                    if (factor != 0.0)
-                        add_scaled(factor, (from.*along).data() + first(m), arriving + first(m),
-                                   m - first(m));
-                }
-                return crush_arm(table, lines, m, there, rest);
-            };
-            const double grain =
-                half + arm(columns_, rows_, row_of(state, m), out != nullptr ? out->row(m) : nullptr,
-                           &OuterProduct::psibar, &OuterProduct::psi);
-            double* column = block_.data() + (m - begin) * column_stride_;
-            const double neighbour = half + arm(rows_, columns_, column, out != nullptr ? column : nullptr,
-                                                &OuterProduct::psi, &OuterProduct::psibar);
-            crushed_rows_[static_cast<std::size_t>(m)] = grain;
-            crushed_ += grain;
-            crushed_neighbour_ += neighbour;
+            const Moved moved =
+                crush_arms_of(table, arrivals, m, row, block_.data() + (m - begin) * column_stride_, rest);
+            crushed_rows_[static_cast<std::size_t>(m)] = half + moved.first;
+            crushed_ += half + moved.first;
+            crushed_neighbour_ += half + moved.second;
             if (out != nullptr) {
                 hand_on(table, columns_, m);
                 hand_on(table, rows_, m);

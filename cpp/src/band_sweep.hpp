@@ -55,18 +55,41 @@ class BandSweep {
         LaneVector fines;   // (N) what falls below the grid
         std::vector<double> near;  // (N, K) the sums of each line at its own shell
         std::vector<double> far;   // (N, K) the same with the head, for places beyond it
+
+        // Of what arrives from outside the bins, by place on a line of this direction and by line.
+        std::vector<double> OuterProduct::*along = nullptr;
+        std::vector<double> OuterProduct::*across = nullptr;
+
+        // Of the current shell, by line.
+        LaneVector landed;
+        LaneVector besides;   // of that, what the sums do not give
+        LaneVector entering;  // what enters the sums
+    };
+
+    /// Of a cell, what moves of the mass that was there before and of what has landed.
+    struct Shares {
+        double settled = 0.0;
+        double arrived = 0.0;
     };
 
     void prepare(const CrushTable& table, const ActiveBand& after, bool whole_state);
     Index last_shell_of(const CrushTable& table, Index m) const;
     double arrive_on_diagonal(const CrushTable& table, Lines& lines, Index m) const;
     void set_crossing(const CrushTable& table, Lines& lines, double pushed_here) const;
-    void arrive_on_arm(const CrushTable& table, Lines& lines, const Lines& other, Index m);
-    void arrive_from_head(const CrushTable& table, const Lines& lines, const Lines& other, Index m);
-    const double* entering_the_sums(const CrushTable& table, const Lines& lines, Index m);
-    double landed_in_fines(const CrushTable& table, const Lines& lines, const Lines& other, Index m) const;
-    double crush_diagonal(const CrushTable& table, Index m, double there, double* rest);
-    double crush_arm(const CrushTable& table, Lines& lines, Index m, const double* there, double* rest);
+    const double* arrive_besides(const CrushTable& table, Lines& lines, const Lines& other,
+                                 const std::vector<OuterProduct>& arrivals, Index m);
+    void arrive_from_head(const CrushTable& table, Lines& lines, const Lines& other, Index m);
+    const double* entering_the_sums(const CrushTable& table, Lines& lines, Index m);
+    double landed_in_fines(const CrushTable& table, const Lines& lines, const Lines& other,
+                           const std::vector<OuterProduct>& arrivals, Index m) const;
+    static double crush_cell(Shares share, double there, double landed, double* rest);
+    double crush_diagonal(const CrushTable& table, Index m, double there, double landed, double* rest);
+    double crush_fines(const CrushTable& table, Lines& lines, const Lines& other,
+                       const std::vector<OuterProduct>& arrivals, Index m, double there, double* rest);
+    Arm arm_of(const CrushTable& table, Lines& lines, const Lines& other,
+               const std::vector<OuterProduct>& arrivals, Index m, const double* there, bool whole_state);
+    Moved crush_arms_of(const CrushTable& table, const std::vector<OuterProduct>& arrivals, Index m,
+                        const double* row, double* column, double* rest_row);
     void set_shares(const ActiveBand& before, const ActiveBand& after, Index m);
     void hand_on(const CrushTable& table, Lines& lines, Index m) const;
     void begin_block(const CrushTable& table, Index m);
@@ -109,13 +132,13 @@ class BandSweep {
     double crushed_neighbour_ = 0.0;
 
     // Of the current shell, by line.
-    LaneVector arriving_;
-    LaneVector entering_;
+    LaneVector part_;
     LaneVector settled_share_;  // of mass that was there before, where some of the shell was active then
     LaneVector arrived_share_;
     const double* settled_ = nullptr;  // the one or the other
-    double diagonal_settled_ = 0.0;
-    double diagonal_arrived_ = 0.0;
+    Index ones_from_ = 0;              // arrived shares are 1 from here up to the shell before
+    Shares diagonal_;
+    Shares fines_;
     LaneVector last_row_;
     LaneVector block_;             // a few columns of the state, each in one piece
     std::vector<Index> right_;     // (N) the first column above the band in each row

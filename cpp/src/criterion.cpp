@@ -131,15 +131,27 @@ double active_share(const LogGrid& grid, const Material& material, double stress
     require(m >= 0 && m < grid.bins(), "m", static_cast<double>(m), "a bin of the grid");
     require(distance >= 0 && distance <= m, "distance", static_cast<double>(distance), "between 0 and m");
     if (m == 0 || stress_ratio == 0.0) return 0.0;
-    return ShellZones(grid, material, std::log(stress_ratio))[m].share(distance);
+    double share[lanes];
+    ShellZones(grid, material, std::log(stress_ratio)).shares(m, {distance}, 1, share);
+    return share[0];
 }
 
 void active_share(const LogGrid& grid, const Material& material, double stress_ratio,
                   MatrixView<double> share) {
+    material.validate();
+    require_stress_ratio(stress_ratio);
     require_square(share, grid.bins(), "share");
-    for (Index m = 0; m < grid.bins(); ++m) {
-        for (Index j = 0; j <= m; ++j) {
-            share(m, j) = share(j, m) = active_share(grid, material, stress_ratio, m, m - j);
+    const Index bins = grid.bins();
+    const ShellZones zones(grid, material, std::log(stress_ratio));
+    std::vector<double> of_shells(static_cast<std::size_t>((bins + lanes) * lanes));
+    for (Index begin = 0; begin < bins; begin += lanes) {
+        const Index end = std::min(begin + lanes, bins);
+        zones.shares(begin, {}, end, of_shells.data());
+        for (Index m = begin; m < end; ++m) {
+            for (Index d = 0; d <= m; ++d) {
+                const double of_cell = of_shells[static_cast<std::size_t>(d * lanes + m - begin)];
+                share(m, m - d) = share(m - d, m) = m == 0 ? 0.0 : of_cell;
+            }
         }
     }
 }

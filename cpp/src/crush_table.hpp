@@ -44,9 +44,9 @@ struct CrushTable {
         return mass_upwards.data() + bins - 1 - from + to;
     }
 
-    /// The rest of what advances sums at a shell of a block, without a line that crosses.
+    /// What advances sums at a shell of a block.
     Falling falling_sums(Index block_shell, double* sums) const {
-        return {terms, entering_at(block_shell), falling_at(block_shell), nullptr, nullptr, 0, sums};
+        return {terms, entering_at(block_shell), falling_at(block_shell), sums};
     }
 
     /// @param sum     empty for a table without sums

@@ -11,16 +11,12 @@ void add_scaled(double factor, const double* from, double* to, Index count);
 double sum(const double* values, Index count);
 bool all_finite(const double* values, Index count);
 
-/// The sums of the lines of one arm of a shell, and of the line that crosses them all.
+/// Running sums of lines side by side, as of the first shell of a block of shells.
 struct Falling {
     Index terms;             ///< K
     const double* entering;  ///< (K) weight of what enters
     const double* falling;   ///< (K) what the sums have decayed by since they were last brought up to date
-    const double* crossing;  ///< (K) sums of the crossing line; null: there is none
-    const double*
-        power;  ///< by which the crossing line has decayed at the first line; a term more: power_stride
-    Index power_stride;
-    double* sums;  ///< (count / lanes, K, lanes), from the first line's pack on
+    double* sums;            ///< (count / lanes, K, lanes), from the first line's pack on
 };
 /// Takes into the sums what enters, and says what arrives. `count`, a multiple of `lanes`, may be 0.
 void advance(Falling f, const double* enters, double* arriving, Index count);
@@ -28,19 +24,45 @@ void advance(Falling f, const double* enters, double* arriving, Index count);
 /// sums[k] *= factor[a], and 0 where that would be negligible; (count / lanes, K, lanes).
 void decay(const double* factor, Index terms, double* sums, Index count);
 
-/// What happens to the cells of one arm of a shell.
-struct Crushing {
-    const double* there;
-    const double* landed;
-    const double* settled_share;  ///< of what is there
-    const double* arrived_share;  ///< of what has landed
+/// What the two arms of a shell have in common; the arrays by line, from the same pack on.
+struct Shell {
+    Index terms;                  ///< K
+    const double* entering;       ///< (K) as of `Falling`
+    const double* falling;        ///< (K)
+    const double* power;          ///< by which a line that crosses an arm has decayed at the arm's lines
+    Index power_stride;           ///< a term more
+    const double* settled_share;  ///< that moves of what is there
+    const double* arrived_share;  ///< that moves of what has landed
     double below;                 ///< share of what moves that falls below the grid
 };
-/// What moves of the cells, onto their lines and these lines' fines. Returns its sum. `count` is a multiple of `lanes`;
-/// where both shares are 0 nothing moves, whatever is there.
-double push(Crushing c, double* onto_line, double* fines, Index count);
-/// What stays of them. `rest` may be where `there` is.
-void leave(Crushing c, double* rest, Index count);
+/// One arm: cells whose mass moves along lines of their own, and one line that crosses all of these.
+struct Arm {
+    const double* there;
+    const double* besides;   ///< what lands beyond what the sums give; null: nothing
+    const double* enters;    ///< the sums of the arm's lines
+    double* sums;            ///< of these
+    const double* crossing;  ///< (K) sums of the crossing line
+    double* landed;          ///< all that lands; null: nobody asks
+    double* onto_line;       ///< what moves; may be `enters`
+    double* fines;           ///< what falls below the grid is added
+};
+struct Moved {
+    double first = 0.0;
+    double second = 0.0;
+};
+/// Takes into the sums what enters, and moves the active part of what is there and of what lands. Returns the sums of
+/// what moves. `count` is a multiple of `lanes`; where both shares are 0 nothing moves, whatever is there.
+Moved crush_arms(const Shell& shell, const Arm& first, const Arm& second, Index count);
+
+/// What stays of an arm.
+struct Staying {
+    const double* there;
+    const double* landed;
+    const double* settled_share;
+    const double* arrived_share;
+};
+/// `rest` may be where `there` is.
+void leave(Staying s, double* rest, Index count);
 
 /// What lands in a row of cells and what crushes in them.
 struct Landing {
@@ -63,6 +85,9 @@ struct Terms {
 /// Adds the sum over a of factors[a, r] lines[a] to row r of four; `count` is a multiple of `lanes`.
 /// @param factors  (terms, 4)
 void add_to_rows(Terms of, const double* factors, Index terms, double* rows, Index row_stride, Index count);
+
+/// A square of as many numbers as there are lanes each way, its rows to columns.
+void transpose(const double* from, Index from_stride, double* to, Index to_stride);
 
 /// Asks for a piece of memory that will be wanted soon, where the way there is none that a machine foresees.
 inline void fetch(const double* from, Index count) {
