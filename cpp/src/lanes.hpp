@@ -6,21 +6,47 @@
 #include <vector>
 
 #include "comminute/view.hpp"
+#include "multiversion.hpp"
 
 namespace comminute {
 
-constexpr Index lanes =
-    8;  // doubles in a cache line, and in the widest register that any of these loops uses
+/// Doubles in a cache line, and in the widest register that any of these loops uses. Tables are laid out in packs of as
+/// many, whatever the registers at hand.
+constexpr Index lanes = 8;
 
-/// Eight doubles side by side; a machine with narrower registers takes them in parts. Loads and stores through it may be
-/// anywhere a double may be.
-using Pack = double __attribute__((vector_size(64), aligned(8), may_alias));
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"  // of functions that hand vectors around: all are inlined
+#endif
 
-inline const Pack& pack_at(const double* from) {
-    return *reinterpret_cast<const Pack*>(from);
+template <Index Width>
+struct VectorTypes;
+template <>
+struct VectorTypes<2> {
+    using Value = double __attribute__((vector_size(16)));
+    using Anywhere = double __attribute__((vector_size(16), aligned(8), may_alias));
+};
+template <>
+struct VectorTypes<4> {
+    using Value = double __attribute__((vector_size(32)));
+    using Anywhere = double __attribute__((vector_size(32), aligned(8), may_alias));
+};
+template <>
+struct VectorTypes<8> {
+    using Value = double __attribute__((vector_size(64)));
+    using Anywhere = double __attribute__((vector_size(64), aligned(8), may_alias));
+};
+
+/// Doubles side by side, 2, 4 or 8: as many as a register of the machine holds.
+template <Index Width>
+using Vector = typename VectorTypes<Width>::Value;
+
+template <Index Width>
+COMMINUTE_INLINE Vector<Width> load(const double* from) {
+    return *reinterpret_cast<const typename VectorTypes<Width>::Anywhere*>(from);
 }
-inline Pack& pack_at(double* from) {
-    return *reinterpret_cast<Pack*>(from);
+template <Index Width>
+COMMINUTE_INLINE void store(const Vector<Width>& vector, double* to) {
+    *reinterpret_cast<typename VectorTypes<Width>::Anywhere*>(to) = vector;
 }
 
 /// Gives memory that begins with a cache line, so that packs in step with it never straddle two.

@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 #include "lanes.hpp"
 #include "multiversion.hpp"
@@ -12,93 +13,202 @@ namespace {
 
 constexpr double negligible = 1e-290;  // denormal numbers would take a hundred times as long to add
 
-// Packs at once, so that a term's weights are loaded once for all of them, and what arrives stays in registers.
-template <Index Packs>
-COMMINUTE_INLINE void advance_packs(const Falling& f, const double* enters, double* arriving, Index at) {
-    Pack enter[Packs];
-    Pack sum[Packs];
-    for (Index p = 0; p < Packs; ++p) {
-        enter[p] = pack_at(enters + at + p * lanes);
-        sum[p] = Pack{};
+// Vectors at once, so that a term's weights are loaded once for all of them, and what arrives stays in registers. They
+// begin with a pack, or lie in one.
+template <Index Width, Index Vectors>
+COMMINUTE_INLINE void advance_vectors(const Falling& f, const double* enters, double* arriving, Index at) {
+    Vector<Width> enter[Vectors];
+    Vector<Width> sum[Vectors];
+    for (Index v = 0; v < Vectors; ++v) {
+        enter[v] = load<Width>(enters + at + v * Width);
+        sum[v] = Vector<Width>{};
     }
-    double* sums = f.sums + at * f.terms;
-    for (Index a = 0; a < f.terms; ++a, sums += lanes) {
+    const Index terms = f.terms;
+    double* sums = f.sums + lanes_down(at) * terms + at % lanes;
+    for (Index a = 0; a < terms; ++a, sums += lanes) {
         const double entering = f.entering[a];  // here, lest they be loaded again after every store
         const double falling = f.falling[a];
-        for (Index p = 0; p < Packs; ++p) {
-            Pack& line = pack_at(sums + p * f.terms * lanes);
-            const Pack now = line + entering * enter[p];
-            line = now;
-            sum[p] += falling * now;
+        for (Index v = 0; v < Vectors; ++v) {
+            double* const line = sums + lanes_down(v * Width) * terms + v * Width % lanes;
+            const Vector<Width> now = load<Width>(line) + entering * enter[v];
+            store<Width>(now, line);
+            sum[v] += falling * now;
         }
     }
-    for (Index p = 0; p < Packs; ++p) pack_at(arriving + at + p * lanes) = sum[p];
+    for (Index v = 0; v < Vectors; ++v) store<Width>(sum[v], arriving + at + v * Width);
 }
 
-COMMINUTE_INLINE double sum_of(const Pack& pack) {
-    return ((pack[0] + pack[4]) + (pack[2] + pack[6])) + ((pack[1] + pack[5]) + (pack[3] + pack[7]));
+template <Index Width>
+COMMINUTE_INLINE void advance_by(const Falling& f, const double* enters, double* arriving, Index count) {
+    Index k = 0;
+    for (; k + 4 * Width <= count; k += 4 * Width) advance_vectors<Width, 4>(f, enters, arriving, k);
+    for (; k < count; k += lanes) advance_vectors<Width, lanes / Width>(f, enters, arriving, k);
 }
 
-// One arm's part of a few packs of lines.
-template <Index Packs>
-struct ArmPacks {
-    Pack enter[Packs];
-    Pack along[Packs];   // what arrives along the lines of the arm, and
-    Pack across[Packs];  // along the one that crosses them: apart, so that neither waits for the other
+template <Index Width>
+COMMINUTE_INLINE double sum_of(Vector<Width> vector) {
+    double sum[Width];
+    store<Width>(vector, sum);
+    for (Index half = Width / 2; half > 0; half /= 2) {
+        for (Index l = 0; l < half; ++l) sum[l] += sum[l + half];
+    }
+    return sum[0];
+}
+
+// One arm's part of a few vectors of lines.
+template <Index Width, Index Vectors>
+struct ArmPart {
+    using Numbers = Vector<Width>;
+
+    Numbers enter[Vectors];
+    Numbers along[Vectors];   // what arrives along the lines of the arm, and
+    Numbers across[Vectors];  // along the one that crosses them: apart, so that neither waits for the other
     double* sums;
     const double* crossing;
 
-    COMMINUTE_INLINE ArmPacks(const Arm& arm, Index terms, Index at)
-        : sums(arm.sums + at * terms), crossing(arm.crossing) {
-        for (Index p = 0; p < Packs; ++p) {
-            enter[p] = pack_at(arm.enters + at + p * lanes);
-            along[p] = Pack{};
-            across[p] = arm.besides != nullptr ? pack_at(arm.besides + at + p * lanes) : Pack{};
+    COMMINUTE_INLINE ArmPart(const Arm& arm, Index terms, Index at)
+        : sums(arm.sums + lanes_down(at) * terms + at % lanes), crossing(arm.crossing) {
+        for (Index v = 0; v < Vectors; ++v) {
+            enter[v] = load<Width>(arm.enters + at + v * Width);
+            along[v] = Numbers{};
+            across[v] = arm.besides != nullptr ? load<Width>(arm.besides + at + v * Width) : Numbers{};
         }
     }
 
-    COMMINUTE_INLINE void crush(const Shell& shell, const Arm& arm, Index at, Pack& moved) const {
-        const Pack zero{};
-        for (Index p = 0; p < Packs; ++p, at += lanes) {
-            const Pack landed = along[p] + across[p];
-            if (arm.landed != nullptr) pack_at(arm.landed + at) = landed;
-            const Pack settled = pack_at(shell.settled_share + at);
-            const Pack arrived = pack_at(shell.arrived_share + at);
-            const Pack moving = (settled != zero ? settled * pack_at(arm.there + at) : zero) +
-                                (arrived != zero ? arrived * landed : zero);
-            pack_at(arm.onto_line + at) = moving;
-            pack_at(arm.fines + at) += moving * shell.below;
+    COMMINUTE_INLINE void crush(const Shell& shell, const Arm& arm, Index at, Numbers& moved) const {
+        const Numbers zero{};
+        for (Index v = 0; v < Vectors; ++v, at += Width) {
+            const Numbers landed = along[v] + across[v];
+            if (arm.landed != nullptr) store<Width>(landed, arm.landed + at);
+            const Numbers settled = load<Width>(shell.settled_share + at);
+            const Numbers arrived = load<Width>(shell.arrived_share + at);
+            const Numbers moving = (settled != zero ? settled * load<Width>(arm.there + at) : zero) +
+                                   (arrived != zero ? arrived * landed : zero);
+            store<Width>(moving, arm.onto_line + at);
+            store<Width>(load<Width>(arm.fines + at) + moving * shell.below, arm.fines + at);
             moved += moving;
         }
     }
 };
 
-template <Index Packs>
-COMMINUTE_INLINE void crush_packs(const Shell& shell, const Arm& first, const Arm& second, Index at,
-                                  Pack* moved) {
-    const Index terms = shell.terms;  // here and below, lest a number be loaded again after every store
-    ArmPacks<Packs> arms[2] = {{first, terms, at}, {second, terms, at}};
-    const double* entering_of = shell.entering;
-    const double* falling_of = shell.falling;
+template <Index Width, Index Vectors>
+COMMINUTE_INLINE void crush_vectors(const Shell& shell, const Arm& first, const Arm& second, Index at,
+                                    Vector<Width>* moved) {
+    const Index terms = shell.terms;
+    ArmPart<Width, Vectors> arms[2] = {{first, terms, at}, {second, terms, at}};
+    const double* const entering_of = shell.entering;
+    const double* const falling_of = shell.falling;
     const double* power = shell.power + at;
     const Index power_stride = shell.power_stride;
     for (Index a = 0; a < terms; ++a, power += power_stride) {
         const double entering = entering_of[a];
         const double falling = falling_of[a];
         const double crossing[2] = {arms[0].crossing[a], arms[1].crossing[a]};
-        for (Index p = 0; p < Packs; ++p) {
-            const Pack decayed = pack_at(power + p * lanes);
+        for (Index v = 0; v < Vectors; ++v) {
+            const Vector<Width> decayed = load<Width>(power + v * Width);
             for (Index k = 0; k < 2; ++k) {
-                Pack& line = pack_at(arms[k].sums + (p * terms + a) * lanes);
-                const Pack now = line + entering * arms[k].enter[p];
-                line = now;
-                arms[k].along[p] += falling * now;
-                arms[k].across[p] += crossing[k] * decayed;
+                double* const line =
+                    arms[k].sums + (lanes_down(v * Width) * terms + v * Width % lanes) + a * lanes;
+                const Vector<Width> now = load<Width>(line) + entering * arms[k].enter[v];
+                store<Width>(now, line);
+                arms[k].along[v] += falling * now;
+                arms[k].across[v] += crossing[k] * decayed;
             }
         }
     }
     arms[0].crush(shell, first, at, moved[0]);
     arms[1].crush(shell, second, at, moved[1]);
+}
+
+// Two vectors of each arm at once, or three where no single one is left over: one alone would wait for itself.
+template <Index Width>
+COMMINUTE_INLINE Moved crush_arms_by(const Shell& shell, const Arm& first, const Arm& second, Index count) {
+    Vector<Width> moved[2] = {};
+    Index k = 0;
+    if constexpr (Width < lanes) {
+        for (; k < count; k += 2 * Width) crush_vectors<Width, 2>(shell, first, second, k, moved);
+    } else {
+        while (k < count) {
+            const Index left = (count - k) / Width;
+            if (left >= 5 || left == 3) {
+                crush_vectors<Width, 3>(shell, first, second, k, moved);
+                k += 3 * Width;
+            } else if (left >= 2) {
+                crush_vectors<Width, 2>(shell, first, second, k, moved);
+                k += 2 * Width;
+            } else {
+                crush_vectors<Width, 1>(shell, first, second, k, moved);
+                k += Width;
+            }
+        }
+    }
+    return {sum_of<Width>(moved[0]), sum_of<Width>(moved[1])};
+}
+
+template <Index Width, Index Vectors>
+COMMINUTE_INLINE void add_to_rows_at(const Terms& of, const double* factors, Index terms, double* rows,
+                                     Index row_stride, Index at) {
+    double* const row = rows + at;
+    Vector<Width> sum[rows_at_once][Vectors];
+    for (Index r = 0; r < rows_at_once; ++r) {
+        for (Index v = 0; v < Vectors; ++v) sum[r][v] = load<Width>(row + r * row_stride + v * Width);
+    }
+    const double* line = of.lines + at / lanes * of.pack_stride + at % lanes;
+    const Index pack_stride = of.pack_stride;
+    const Index term_stride = of.term_stride;
+    for (Index a = 0; a < terms; ++a, line += term_stride, factors += rows_at_once) {
+        for (Index v = 0; v < Vectors; ++v) {
+            const Vector<Width> by = load<Width>(line + v * Width / lanes * pack_stride + v * Width % lanes);
+            for (Index r = 0; r < rows_at_once; ++r) sum[r][v] += factors[r] * by;
+        }
+    }
+    for (Index r = 0; r < rows_at_once; ++r) {
+        for (Index v = 0; v < Vectors; ++v) store<Width>(sum[r][v], row + r * row_stride + v * Width);
+    }
+}
+
+template <Index Width>
+COMMINUTE_INLINE void add_to_rows_by(const Terms& of, const double* factors, Index terms, double* rows,
+                                     Index row_stride, Index count) {
+    Index k = 0;
+    for (; k + 2 * Width <= count; k += 2 * Width) {
+        add_to_rows_at<Width, 2>(of, factors, terms, rows, row_stride, k);
+    }
+    if (k < count) add_to_rows_at<Width, 1>(of, factors, terms, rows, row_stride, k);
+}
+
+// Of two rows `Step` apart, the half of the columns in which they have changed places once all pairs of all steps have.
+template <Index Width, Index Step, std::size_t... Column>
+COMMINUTE_INLINE void exchange(Vector<Width>& upper, Vector<Width>& lower, std::index_sequence<Column...>) {
+    const Vector<Width> first = __builtin_shufflevector(
+        upper, lower, ((Column & Step) == 0 ? Column : static_cast<std::size_t>(Width) + Column - Step)...);
+    lower = __builtin_shufflevector(
+        upper, lower, ((Column & Step) == 0 ? Column + Step : static_cast<std::size_t>(Width) + Column)...);
+    upper = first;
+}
+
+template <Index Width, Index Step>
+COMMINUTE_INLINE void exchange_all(Vector<Width>* row) {
+    for (Index r = 0; r < Width; ++r) {
+        if ((r & Step) == 0) {
+            exchange<Width, Step>(row[r], row[r + Step],
+                                  std::make_index_sequence<static_cast<std::size_t>(Width)>());
+        }
+    }
+}
+
+template <Index Width>
+COMMINUTE_INLINE void transpose_by(const double* from, Index from_stride, double* to, Index to_stride) {
+    for (Index i = 0; i < lanes; i += Width) {
+        for (Index j = 0; j < lanes; j += Width) {
+            Vector<Width> row[Width];
+            for (Index r = 0; r < Width; ++r) row[r] = load<Width>(from + (i + r) * from_stride + j);
+            exchange_all<Width, 1>(row);
+            if constexpr (Width > 2) exchange_all<Width, 2>(row);
+            if constexpr (Width > 4) exchange_all<Width, 4>(row);
+            for (Index r = 0; r < Width; ++r) store<Width>(row[r], to + (j + r) * to_stride + i);
+        }
+    }
 }
 
 }  // namespace
@@ -125,13 +235,6 @@ COMMINUTE_MULTIVERSION bool all_finite(const double* values, Index count) {
     return bits << 1 == 0;  // 0 but for its sign, where 0 times infinity or NaN is NaN
 }
 
-// By value, so that no store can change what the loops are told.
-COMMINUTE_MULTIVERSION void advance(Falling f, const double* enters, double* arriving, Index count) {
-    Index k = 0;
-    for (; k + 4 * lanes <= count; k += 4 * lanes) advance_packs<4>(f, enters, arriving, k);
-    for (; k < count; k += lanes) advance_packs<1>(f, enters, arriving, k);
-}
-
 COMMINUTE_MULTIVERSION void decay(const double* factor, Index terms, double* sums, Index count) {
     for (Index k = 0; k < count; k += lanes) {
         for (Index a = 0; a < terms; ++a, sums += lanes) {
@@ -141,27 +244,6 @@ COMMINUTE_MULTIVERSION void decay(const double* factor, Index terms, double* sum
             }
         }
     }
-}
-
-// Two packs of each arm at once, or three where no single one is left over: one alone would wait for itself.
-COMMINUTE_MULTIVERSION Moved crush_arms(const Shell& shell, const Arm& first, const Arm& second,
-                                        Index count) {
-    Pack moved[2] = {};
-    Index k = 0;
-    while (k < count) {
-        const Index left = (count - k) / lanes;
-        if (left >= 5 || left == 3) {
-            crush_packs<3>(shell, first, second, k, moved);
-            k += 3 * lanes;
-        } else if (left >= 2) {
-            crush_packs<2>(shell, first, second, k, moved);
-            k += 2 * lanes;
-        } else {
-            crush_packs<1>(shell, first, second, k, moved);
-            k += lanes;
-        }
-    }
-    return {sum_of(moved[0]), sum_of(moved[1])};
 }
 
 COMMINUTE_MULTIVERSION void leave(Staying s, double* rest, Index count) {
@@ -179,40 +261,18 @@ COMMINUTE_MULTIVERSION void settle_row(Landing landing, double* row, double* fin
     }
 }
 
-COMMINUTE_MULTIVERSION void add_to_rows(Terms of, const double* factors, Index terms, double* rows,
-                                        Index row_stride, Index count) {
-    for (Index k = 0; k < count; k += lanes, of.lines += of.pack_stride) {
-        Pack sum[rows_at_once];
-        for (Index r = 0; r < rows_at_once; ++r) sum[r] = pack_at(rows + r * row_stride + k);
-        const double* line = of.lines;
-        for (Index a = 0; a < terms; ++a, line += of.term_stride) {
-            const Pack by = pack_at(line);
-            for (Index r = 0; r < rows_at_once; ++r) sum[r] += factors[a * rows_at_once + r] * by;
-        }
-        for (Index r = 0; r < rows_at_once; ++r) pack_at(rows + r * row_stride + k) = sum[r];
-    }
-}
+COMMINUTE_VERSIONS(void, advance, (const Falling& f, const double* enters, double* arriving, Index count),
+                   (f, enters, arriving, count))
 
-// In three rounds of pairs of rows: neighbours, next but one, and next but three.
-COMMINUTE_MULTIVERSION void transpose(const double* from, Index from_stride, double* to, Index to_stride) {
-    Pack row[lanes];
-    Pack turned[lanes];
-    for (Index r = 0; r < lanes; ++r) row[r] = pack_at(from + r * from_stride);
-    for (Index r = 0; r < lanes; r += 2) {
-        turned[r] = __builtin_shufflevector(row[r], row[r + 1], 0, 8, 2, 10, 4, 12, 6, 14);
-        turned[r + 1] = __builtin_shufflevector(row[r], row[r + 1], 1, 9, 3, 11, 5, 13, 7, 15);
-    }
-    for (Index half = 0; half < lanes; half += lanes / 2) {
-        for (Index r = half; r < half + 2; ++r) {
-            row[r] = __builtin_shufflevector(turned[r], turned[r + 2], 0, 1, 8, 9, 4, 5, 12, 13);
-            row[r + 2] = __builtin_shufflevector(turned[r], turned[r + 2], 2, 3, 10, 11, 6, 7, 14, 15);
-        }
-    }
-    for (Index r = 0; r < lanes / 2; ++r) {
-        pack_at(to + r * to_stride) = __builtin_shufflevector(row[r], row[r + 4], 0, 1, 2, 3, 8, 9, 10, 11);
-        pack_at(to + (r + 4) * to_stride) =
-            __builtin_shufflevector(row[r], row[r + 4], 4, 5, 6, 7, 12, 13, 14, 15);
-    }
-}
+COMMINUTE_VERSIONS(Moved, crush_arms, (const Shell& shell, const Arm& first, const Arm& second, Index count),
+                   (shell, first, second, count))
+
+COMMINUTE_VERSIONS(void, add_to_rows,
+                   (const Terms& of, const double* factors, Index terms, double* rows, Index row_stride,
+                    Index count),
+                   (of, factors, terms, rows, row_stride, count))
+
+COMMINUTE_VERSIONS(void, transpose, (const double* from, Index from_stride, double* to, Index to_stride),
+                   (from, from_stride, to, to_stride))
 
 }  // namespace comminute

@@ -19,7 +19,7 @@ struct Falling {
     double* sums;            ///< (count / lanes, K, lanes), from the first line's pack on
 };
 /// Takes into the sums what enters, and says what arrives. `count`, a multiple of `lanes`, may be 0.
-void advance(Falling f, const double* enters, double* arriving, Index count);
+void advance(const Falling& f, const double* enters, double* arriving, Index count);
 
 /// sums[k] *= factor[a], and 0 where that would be negligible; (count / lanes, K, lanes).
 void decay(const double* factor, Index terms, double* sums, Index count);
@@ -84,7 +84,8 @@ struct Terms {
 };
 /// Adds the sum over a of factors[a, r] lines[a] to row r of four; `count` is a multiple of `lanes`.
 /// @param factors  (terms, 4)
-void add_to_rows(Terms of, const double* factors, Index terms, double* rows, Index row_stride, Index count);
+void add_to_rows(const Terms& of, const double* factors, Index terms, double* rows, Index row_stride,
+                 Index count);
 
 /// A square of as many numbers as there are lanes each way, its rows to columns.
 void transpose(const double* from, Index from_stride, double* to, Index to_stride);

@@ -6,77 +6,80 @@
 
 #include "multiversion.hpp"
 
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi"  // of functions that hand packs around; all are inlined
-#endif
-
 namespace comminute {
 namespace {
 
-COMMINUTE_INLINE Pack all(double value) {
-    return Pack{} + value;
+template <Index Width>
+COMMINUTE_INLINE Vector<Width> all(double value) {
+    return Vector<Width>{} + value;
 }
 
-COMMINUTE_INLINE Pack larger(const Pack& a, const Pack& b) {
+template <Index Width>
+COMMINUTE_INLINE Vector<Width> larger(const Vector<Width>& a, const Vector<Width>& b) {
     return a > b ? a : b;
 }
 
-COMMINUTE_INLINE Pack smaller(const Pack& a, const Pack& b) {
+template <Index Width>
+COMMINUTE_INLINE Vector<Width> smaller(const Vector<Width>& a, const Vector<Width>& b) {
     return a < b ? a : b;
 }
 
 // Of what is not negative; 0 of what is.
-COMMINUTE_INLINE Pack root_of(const Pack& square) {
-    double values[lanes];
-    pack_at(values) = larger(square, Pack{});
+template <Index Width>
+COMMINUTE_INLINE Vector<Width> root_of(const Vector<Width>& square) {
+    double values[Width];
+    store<Width>(larger<Width>(square, Vector<Width>{}), values);
     for (double& value : values) value = std::sqrt(value);
-    return pack_at(values);
+    return load<Width>(values);
 }
 
-// Of eight shells side by side. Their zones are measured by s = sqrt(t - tip), from where they begin in the shell.
-struct EightShells {
+// Of a few shells side by side. Their zones are measured by s = sqrt(t - tip), from where they begin in the shell.
+template <Index Width>
+struct SideBySide {
+    using Numbers = Vector<Width>;
     struct Piece {  // empty where `to` is not beyond `from`
-        Pack from;
-        Pack to;
+        Numbers from;
+        Numbers to;
     };
 
-    Pack tip;
-    Pack begin;
-    Pack s_begin;
-    Pack s_length;  // 0 in a shell without a zone
+    Numbers tip;
+    Numbers begin;
+    Numbers s_begin;
+    Numbers s_length;  // 0 in a shell without a zone
     double steepness;
     double root;
 
-    COMMINUTE_INLINE EightShells(double tip_of_0, double shell, double steep)
+    COMMINUTE_INLINE SideBySide(double tip_of_0, double shell, double steep)
         : steepness(steep), root(std::sqrt(steep)) {
-        for (Index l = 0; l < lanes; ++l) tip[l] = tip_of_0 - (shell + static_cast<double>(l));
-        begin = larger(tip, all(-0.5));
-        s_begin = root_of(begin - tip);
-        s_length = begin < 0.5 ? (0.5 - begin) / (root_of(0.5 - tip) + s_begin) : Pack{};
+        for (Index l = 0; l < Width; ++l) tip[l] = tip_of_0 - (shell + static_cast<double>(l));
+        begin = larger<Width>(tip, all<Width>(-0.5));
+        s_begin = root_of<Width>(begin - tip);
+        s_length = begin < 0.5 ? (0.5 - begin) / (root_of<Width>(0.5 - tip) + s_begin) : Numbers{};
     }
 
     // Where omega(t) - t >= distance - 1/2: between the roots of a quadratic in s. An error of a root does not matter,
     // since the length covered begins to grow there.
-    COMMINUTE_INLINE Piece wider_than(const Pack& distance) const {
-        const Pack c = distance - 0.5 + tip;  // s^2 - root s + c <= 0
-        const Pack discriminant = 0.25 * steepness - c;
-        const Pack far = 0.5 * root + root_of(discriminant);
-        const Pack near = c > 0.0 ? c / far : Pack{};
-        const Pack from = discriminant >= 0.0 ? larger(near - s_begin, Pack{}) : Pack{};
-        const Pack to = discriminant >= 0.0 ? smaller(far - s_begin, s_length) : Pack{};
-        return {from, larger(to, from)};
+    COMMINUTE_INLINE Piece wider_than(const Numbers& distance) const {
+        const Numbers zero{};
+        const Numbers c = distance - 0.5 + tip;  // s^2 - root s + c <= 0
+        const Numbers discriminant = 0.25 * steepness - c;
+        const Numbers far = 0.5 * root + root_of<Width>(discriminant);
+        const Numbers near = c > 0.0 ? c / far : zero;
+        const Numbers from = discriminant >= 0.0 ? larger<Width>(near - s_begin, zero) : zero;
+        const Numbers to = discriminant >= 0.0 ? smaller<Width>(far - s_begin, s_length) : zero;
+        return {from, larger<Width>(to, from)};
     }
 
     // Integral over t of a length that is quadratic in s: with dt = 2 s ds a cubic, exact by two Gauss nodes.
     template <class Length>
-    COMMINUTE_INLINE Pack integral(const Pack& from, const Pack& to, const Length& length) const {
+    COMMINUTE_INLINE Numbers integral(const Numbers& from, const Numbers& to, const Length& length) const {
         constexpr double node = 0.57735026918962576451;  // 1 / sqrt(3)
-        const Pack half = 0.5 * larger(to - from, Pack{});
-        const Pack centre = from + half;
-        Pack sum{};
+        const Numbers half = 0.5 * larger<Width>(to - from, Numbers{});
+        const Numbers centre = from + half;
+        Numbers sum{};
         for (const double side : {-node, node}) {
-            const Pack step = centre + side * half;
-            const Pack s = s_begin + step;
+            const Numbers step = centre + side * half;
+            const Numbers s = s_begin + step;
             sum += 2.0 * s * length(s, begin + step * (s_begin + s));
         }
         return half * sum;
@@ -84,48 +87,67 @@ struct EightShells {
 
     // The zone covers the length clamp(1/2 - d - t + omega, 0, 1) of the smaller grain's cell; `some` is where that is
     // above 0, `whole` where it is 1. At d = 0 it covers twice min(omega, t + 1/2); `whole` is where that is the latter.
-    COMMINUTE_INLINE Pack share(const Pack& distance, const Piece& some, Piece whole) const {
+    COMMINUTE_INLINE Numbers share(const Numbers& distance, const Piece& some, const Piece& whole) const {
         const auto diagonal = distance == 0.0;
-        const Pack from = diagonal ? Pack{} : some.from;
-        const Pack to = diagonal ? s_length : some.to;
+        const Numbers from = diagonal ? Numbers{} : some.from;
+        const Numbers to = diagonal ? s_length : some.to;
         const auto any = whole.to > whole.from;
-        whole = {any ? whole.from : to, any ? whole.to : to};
-        const auto partly = [&](const Pack& s, const Pack& t) {
+        const Numbers whole_from = any ? whole.from : to;
+        const Numbers whole_to = any ? whole.to : to;
+        const auto partly = [&](const Numbers& s, const Numbers& t) {
             return diagonal ? 2.0 * root * s : 0.5 - distance - t + root * s;
         };
-        const auto wholly = [&](const Pack&, const Pack& t) { return diagonal ? 2.0 * t + 1.0 : all(1.0); };
-        const Pack found = integral(from, whole.from, partly) + integral(whole.from, whole.to, wholly) +
-                           integral(whole.to, to, partly);
-        return smaller(larger(found, Pack{}), all(1.0));
+        const auto wholly = [&](const Numbers&, const Numbers& t) {
+            return diagonal ? 2.0 * t + 1.0 : all<Width>(1.0);
+        };
+        const Numbers found = integral(from, whole_from, partly) + integral(whole_from, whole_to, wholly) +
+                              integral(whole_to, to, partly);
+        return smaller<Width>(larger<Width>(found, Numbers{}), all<Width>(1.0));
     }
 };
 
-COMMINUTE_MULTIVERSION void shares_of_eight(double tip, double shell, double steepness, const Index* first,
-                                            Index rows, double* share) {
-    const EightShells shells(tip, shell, steepness);
-    Pack distance;
-    for (Index l = 0; l < lanes; ++l) distance[l] = static_cast<double>(first[l]);
-    EightShells::Piece some = shells.wider_than(distance);
-    for (Index row = 0; row < rows; ++row, share += lanes) {
-        const EightShells::Piece whole = shells.wider_than(distance + 1.0);
-        pack_at(share) = shells.share(distance, some, whole);
-        some = whole;
-        distance += 1.0;
+template <Index Width>
+COMMINUTE_INLINE void shares_of_eight_by(double tip, Index m, double steepness, const Index* first,
+                                         Index rows, double* share) {
+    for (Index lane = 0; lane < lanes; lane += Width) {
+        const SideBySide<Width> shells(tip, static_cast<double>(m + lane), steepness);
+        Vector<Width> distance;
+        for (Index l = 0; l < Width; ++l) distance[l] = static_cast<double>(first[lane + l]);
+        auto some = shells.wider_than(distance);
+        for (Index row = 0; row < rows; ++row) {
+            const auto whole = shells.wider_than(distance + 1.0);
+            store<Width>(shells.share(distance, some, whole), share + row * lanes + lane);
+            some = whole;
+            distance += 1.0;
+        }
     }
 }
 
 // A cell at d >= 1 lies inside where d <= omega(t) - t - 1/2 for all t, one at d = 0 where 0 <= omega(t) - t - 1/2.
 // omega(t) - t is concave, so its least value is at an end. A cell lies outside where d >= 1/2 - t + omega(t) for all t,
 // which is at most 1 + omega(1/2).
-COMMINUTE_MULTIVERSION void widths_of_eight(double tip, double shell, double steepness, double* inner,
-                                            double* outer) {
-    const EightShells shells(tip, shell, steepness);
-    const Pack at_end = shells.root * (shells.s_begin + shells.s_length);
-    pack_at(inner) = shells.tip <= -0.5 ? smaller(shells.root * shells.s_begin, at_end - 1.0) : all(-1.0);
-    pack_at(outer) = shells.tip < 0.5 ? 1.0 + at_end : all(-1.0);
+template <Index Width>
+COMMINUTE_INLINE void widths_of_eight_by(double tip, Index m, double steepness, double* inner,
+                                         double* outer) {
+    for (Index lane = 0; lane < lanes; lane += Width) {
+        const SideBySide<Width> shells(tip, static_cast<double>(m + lane), steepness);
+        const Vector<Width> at_begin = shells.root * shells.s_begin;
+        const Vector<Width> at_end = shells.root * (shells.s_begin + shells.s_length);
+        const Vector<Width> none = all<Width>(-1.0);
+        store<Width>(shells.tip <= -0.5 ? smaller<Width>(at_begin, at_end - 1.0) : none, inner + lane);
+        store<Width>(shells.tip < 0.5 ? 1.0 + at_end : none, outer + lane);
+    }
 }
 
 }  // namespace
+
+COMMINUTE_VERSIONS(static void, shares_of_eight,
+                   (double tip, Index m, double steepness, const Index* first, Index rows, double* share),
+                   (tip, m, steepness, first, rows, share))
+
+COMMINUTE_VERSIONS(static void, widths_of_eight,
+                   (double tip, Index m, double steepness, double* inner, double* outer),
+                   (tip, m, steepness, inner, outer))
 
 double zone_onset(const Material& material, double log_stress_ratio) {
     return std::log(material.reference_size) - material.weibull_modulus / 3.0 * log_stress_ratio;
@@ -145,7 +167,7 @@ ShellZones::Extents ShellZones::extents(Index m) const {
             outer[l] = tip < 0.5 ? steepness_ * (0.5 - tip) : -1.0;
         }
     } else {
-        widths_of_eight(tip_, static_cast<double>(m), steepness_, inner, outer);
+        widths_of_eight(tip_, m, steepness_, inner, outer);
     }
     Extents extents;
     for (Index l = 0; l < lanes; ++l) {
@@ -159,7 +181,7 @@ ShellZones::Extents ShellZones::extents(Index m) const {
 
 void ShellZones::shares(Index m, const Distances& first, Index rows, double* share) const {
     if (!std::isinf(tip_) && !std::isinf(steepness_)) {
-        shares_of_eight(tip_, static_cast<double>(m), steepness_, first.data(), rows, share);
+        shares_of_eight(tip_, m, steepness_, first.data(), rows, share);
         return;
     }
     for (Index row = 0; row < rows; ++row) {  // the zone is all to the right of the tip
