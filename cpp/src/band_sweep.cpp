@@ -47,7 +47,6 @@ void BandSweep::prepare(const CrushTable& table, const ActiveBand& after, bool w
     for (Lines* lines : {&columns_, &rows_}) {
         lines->sums.assign(static_cast<std::size_t>(table.terms * lanes_up(bins_)), 0.0);
         lines->own.assign(static_cast<std::size_t>(table.terms), 0.0);
-        lines->crossing.assign(static_cast<std::size_t>(table.terms), 0.0);
         lines->pushed.assign(static_cast<std::size_t>(shells_kept_ * width_), 0.0);
         lines->fines.assign(static_cast<std::size_t>(lanes_up(bins_)), 0.0);
         lines->near.resize(whole_state && table.head > 0 ? by_term : 0);
@@ -84,25 +83,18 @@ double BandSweep::arrive_on_diagonal(const CrushTable& table, Lines& lines, Inde
     return arriving;
 }
 
-// The sums of line m as its arm is crossed: without a head, what its own diagonal cell has pushed is in them.
-void BandSweep::set_crossing(const CrushTable& table, Lines& lines, double pushed_here) const {
-    const double enters = table.head == 0 ? pushed_here : 0.0;
-    for (std::size_t a = 0; a < lines.own.size(); ++a) {
-        lines.crossing[a] = lines.own[a] + table.coefficient[a] * enters;
-    }
-}
-
-// What lands in the arm of shell m whose mass falls along `lines` that no sum speaks of; null where that is nothing.
+// What lands in the arm of shell m whose mass falls along `lines` that no sum speaks of.
 const double* BandSweep::arrive_besides(const CrushTable& table, Lines& lines, const Lines& other,
                                         const std::vector<OuterProduct>& arrivals, Index m) {
-    if (by_line_ && arrivals.empty()) return nullptr;
     const Index begin = first(m);
     double* const besides = lines.besides.data();
     std::fill(besides + lanes_down(begin), besides + lanes_up(m), 0.0);
     if (!by_line_) arrive_from_head(table, lines, other, m);
     for (const OuterProduct& from : arrivals) {
         const double factor = (from.*lines.across)[static_cast<std::size_t>(m)];
-        if (factor != 0.0) add_scaled(factor, (from.*lines.along).data() + begin, besides + begin, m - begin);
+        if (factor != 0.0) {
+            add_scaled(factor, (from.*lines.along).data() + begin, besides + begin, m - begin);
+        }
     }
     return besides;
 }
@@ -128,9 +120,8 @@ void BandSweep::arrive_from_head(const CrushTable& table, Lines& lines, const Li
     }
 }
 
-// By line, for the lines of the arm of shell m and 0 for those that share a pack with them.
+// Past the head, for the lines of the arm of shell m, and 0 for those that share a pack with them.
 const double* BandSweep::entering_the_sums(const CrushTable& table, Lines& lines, Index m) {
-    if (by_line_) return lines.pushed.data();
     const Index shell = m + table.head + 1;
     const Index from = shell < bins_ ? std::max(first(m), first(shell)) : m;
     double* const entering = lines.entering.data();
@@ -219,16 +210,16 @@ double BandSweep::crush_fines(const CrushTable& table, Lines& lines, const Lines
     return moved;
 }
 
-Arm BandSweep::arm_of(const CrushTable& table, Lines& lines, const Lines& other,
-                      const std::vector<OuterProduct>& arrivals, Index m, const double* there,
-                      bool whole_state) {
+COMMINUTE_INLINE Arm BandSweep::arm_of(const CrushTable& table, Lines& lines, const Lines& other,
+                                       const std::vector<OuterProduct>& arrivals, Index m,
+                                       const double* there, bool whole_state) {
     const Index from = lanes_down(first(m));
-    const double* const besides = arrive_besides(table, lines, other, arrivals, m);
+    const bool more = !by_line_ || !arrivals.empty();
     return {there + from,
-            besides != nullptr ? besides + from : nullptr,
-            entering_the_sums(table, lines, m) + from,
+            more ? arrive_besides(table, lines, other, arrivals, m) + from : nullptr,
+            (by_line_ ? lines.pushed.data() : entering_the_sums(table, lines, m)) + from,
             lines.sums.data() + from * table.terms,
-            other.crossing.data(),
+            other.own.data(),
             whole_state ? lines.landed.data() + from : nullptr,
             pushed(lines, m, from),
             lines.fines.data() + from};
@@ -246,6 +237,8 @@ Moved BandSweep::crush_arms_of(const CrushTable& table, const std::vector<OuterP
                       table.falling_at(block_shell_),
                       table.powers_towards(0, m, from),
                       table.stride,
+                      by_line_ ? half : 0.0,
+                      table.mass_towards(m, from),
                       settled_ + from,
                       arrived_share_.data() + from,
                       table.below[static_cast<std::size_t>(m)]};
@@ -277,7 +270,11 @@ Moved BandSweep::crush_arms_of(const CrushTable& table, const std::vector<OuterP
 void BandSweep::hand_on(const CrushTable& table, Lines& lines, Index m) const {
     double* far = lines.far.data() + m * table.terms;
     if (by_line_) {
-        std::copy(lines.crossing.begin(), lines.crossing.end(), far);
+        const double half = *pushed(lines, m, m);
+        for (Index a = 0; a < table.terms; ++a) {
+            const auto term = static_cast<std::size_t>(a);
+            far[a] = lines.own[term] + table.coefficient[term] * half;
+        }
         return;
     }
     for (Index a = 0; a < table.terms; ++a) {
@@ -365,8 +362,6 @@ void BandSweep::run(const CrushTable& table, const ActiveBand& before, const Act
             const double* const row = row_of(state, m);
             const double half =
                 crush_diagonal(table, m, row[m], landed, rest != nullptr ? rest + m : nullptr);
-            set_crossing(table, columns_, half);
-            set_crossing(table, rows_, half);
             const Moved moved =
                 crush_arms_of(table, arrivals, m, row, block_.data() + (m - begin) * column_stride_, rest);
             crushed_rows_[static_cast<std::size_t>(m)] = half + moved.first;

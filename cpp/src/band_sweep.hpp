@@ -48,11 +48,9 @@ class BandSweep {
     /// What falls along the lines of one direction.
     struct Lines {
         LaneVector sums;  // (packs, K, lanes) of each line, as of the first shell of the current block
-        std::vector<double> own;  // (K) those of the line whose shell has its turn, as of this shell
-        std::vector<double>
-            crossing;       // (K) the same with what its diagonal cell has pushed, where there is no head
-        LaneVector pushed;  // (shells kept, width) mass pushed onto a line from a shell
-        LaneVector fines;   // (N) what falls below the grid
+        std::vector<double> own;   // (K) those of the line whose shell has its turn, as of this shell
+        LaneVector pushed;         // (shells kept, width) mass pushed onto a line from a shell
+        LaneVector fines;          // (N) what falls below the grid
         std::vector<double> near;  // (N, K) the sums of each line at its own shell
         std::vector<double> far;   // (N, K) the same with the head, for places beyond it
 
@@ -75,7 +73,6 @@ class BandSweep {
     void prepare(const CrushTable& table, const ActiveBand& after, bool whole_state);
     Index last_shell_of(const CrushTable& table, Index m) const;
     double arrive_on_diagonal(const CrushTable& table, Lines& lines, Index m) const;
-    void set_crossing(const CrushTable& table, Lines& lines, double pushed_here) const;
     const double* arrive_besides(const CrushTable& table, Lines& lines, const Lines& other,
                                  const std::vector<OuterProduct>& arrivals, Index m);
     void arrive_from_head(const CrushTable& table, Lines& lines, const Lines& other, Index m);

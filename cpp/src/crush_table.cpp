@@ -13,7 +13,7 @@ namespace {
 constexpr double nearly_denormal = 1e-290;
 constexpr double rounding = 1e-17;
 constexpr double largest_growth = 16.0;  // in logs, within a block of shells: exp rounds as often as that
-constexpr Index longest_block = 32;
+constexpr Index longest_block = 64;
 
 }  // namespace
 
@@ -91,6 +91,7 @@ CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum, d
         }
     }
     table.mass_upwards.assign(table.mass.rbegin(), table.mass.rend());
+    table.mass_upwards.resize(bins + static_cast<std::size_t>(lanes));
     return table;
 }
 

@@ -12,16 +12,16 @@ namespace comminute {
 /// bin by bin for the first `head` reductions, and beyond them as running sums.
 struct CrushTable {
     Index bins = 0;
-    Index head = 0;                     ///< H; bins - 1 where there are no sums
-    Index terms = 0;                    ///< K; 0: no sums
-    std::vector<double> mass;           ///< (N) share that lands m bins down, mass[0] = 0
-    std::vector<double> mass_upwards;   ///< (N) the same in the order of the bins: entry N - 1 - m
-    std::vector<double> below;          ///< (N) from bin m: share that lands in the fines bin
-    std::vector<double> coefficient;    ///< (K)
-    std::vector<double> decay;          ///< (K) of a bin
-    std::vector<Index> terms_from;      ///< (N) how many terms count m bins beyond the head
-    Index stride = 0;                   ///< between the rows of the next two, more than N + 8
-    std::vector<double> power;          ///< (K, stride) exp(-decay m), 0 where it would be denormal
+    Index head = 0;                    ///< H; bins - 1 where there are no sums
+    Index terms = 0;                   ///< K; 0: no sums
+    std::vector<double> mass;          ///< (N) share that lands m bins down, mass[0] = 0
+    std::vector<double> mass_upwards;  ///< (N + 8) the same in the order of the bins: entry N - 1 - m, then 0
+    std::vector<double> below;         ///< (N) from bin m: share that lands in the fines bin
+    std::vector<double> coefficient;   ///< (K)
+    std::vector<double> decay;         ///< (K) of a bin
+    std::vector<Index> terms_from;     ///< (N) how many terms count m bins beyond the head
+    Index stride = 0;                  ///< between the rows of the next two, more than N + 8
+    std::vector<double> power;         ///< (K, stride) exp(-decay m), 0 where it would be denormal
     std::vector<double> power_upwards;  ///< the same at N - 1 - m
 
     // Running sums are kept as they would be at the first shell of a block of shells, and decay once a block.

@@ -78,7 +78,8 @@ struct ArmPart {
     COMMINUTE_INLINE void crush(const Shell& shell, const Arm& arm, Index at, Numbers& moved) const {
         const Numbers zero{};
         for (Index v = 0; v < Vectors; ++v, at += Width) {
-            const Numbers landed = along[v] + across[v];
+            const Numbers landed =
+                along[v] + (across[v] + shell.diagonal * load<Width>(shell.of_diagonal + at));
             if (arm.landed != nullptr) store<Width>(landed, arm.landed + at);
             const Numbers settled = load<Width>(shell.settled_share + at);
             const Numbers arrived = load<Width>(shell.arrived_share + at);

@@ -26,11 +26,14 @@ void decay(const double* factor, Index terms, double* sums, Index count);
 
 /// What the two arms of a shell have in common; the arrays by line, from the same pack on.
 struct Shell {
-    Index terms;                  ///< K
-    const double* entering;       ///< (K) as of `Falling`
-    const double* falling;        ///< (K)
-    const double* power;          ///< by which a line that crosses an arm has decayed at the arm's lines
-    Index power_stride;           ///< a term more
+    Index terms;             ///< K
+    const double* entering;  ///< (K) as of `Falling`
+    const double* falling;   ///< (K)
+    const double* power;     ///< by which a line that crosses an arm has decayed at the arm's lines
+    Index power_stride;      ///< a term more
+    double
+        diagonal;  ///< mass that a line which crosses an arm has got from the diagonal cell, beyond its sums
+    const double* of_diagonal;    ///< share of it that lands at the arm's lines
     const double* settled_share;  ///< that moves of what is there
     const double* arrived_share;  ///< that moves of what has landed
     double below;                 ///< share of what moves that falls below the grid
