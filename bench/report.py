@@ -39,8 +39,8 @@ LIMITS = """\
   costs more than 1/20 of our FFTW step, which skips lines without mass and takes the shortest transform for each of
   the others. What is left above the copy are the K terms of every cell.
 * **Grading at N = 1000.** An arm of the zone has some 26 cells here, each with K = 11 terms along either line, 6
-  flops a term: 3.7 Mflop, half of the time at the rate that the step by running sums reaches. The shares of the
-  cells that the zone cuts take a sixth, and arms of three or four registers leave the rest to the ends of loops.
+  flops a term: 3.7 Mflop, half of the time. The shares of the cells that the zone cuts take a tenth; what is left
+  are a thousand diagonal cells and the ends of loops, since an arm is three or four registers long.
   The yardstick is at its best there: both copies of an 8 MB state fit into the cache of this machine. At N = 4000,
   where the copy comes from memory, the goal is met.
 * **State at N = 1000.** It is read, copied, and given K falling terms a cell; with N the copy grows as fast and the
