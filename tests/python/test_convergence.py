@@ -33,6 +33,11 @@ def test_second_order_at_the_edges_next_to_the_tip_too(
     assert errors[1] < error
 
 
+@pytest.mark.parametrize(("stress_ratio", "error"), [(8.0, 1.2e-4), (1e4, 4.4e-4)])
+def test_error_at_fixed_sizes_of_the_solve_alone(study: dict[str, Any], stress_ratio: float, error: float) -> None:
+    assert study["errors"](0.05, stress_ratio, "conservative", at="fixed sizes, by cubics")[1] < error
+
+
 @pytest.mark.parametrize("at", ["fixed sizes", "edges"])
 def test_first_order_of_the_paper_s_scheme(study: dict[str, Any], at: str) -> None:
     errors = study["errors"](100.0, 8.0, "paper", at=at)
