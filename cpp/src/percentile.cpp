@@ -45,6 +45,17 @@ void require_bins(const LogGrid& grid, VectorView<const double> cdf) {
                      std::to_string(grid.bins()) + " bins");
 }
 
+void require_rising(VectorView<const double> cdf) {
+    for (Index i = 0; i < cdf.size(); ++i) {
+        const double before = i > 0 ? cdf[i - 1] : 0.0;
+        if (cdf[i] >= before - rounding && std::isfinite(cdf[i])) continue;
+        throw ParameterError(
+            "cdf[" + std::to_string(i) + "] is " + text(cdf[i]) + " after " + text(before) +
+            "; a cdf is 0 or more and never falls. Pass the mass fraction finer, not the mass of "
+            "each bin");
+    }
+}
+
 double tail_slope(const LogGrid& grid, VectorView<const double> cdf) {
     const double slope = std::log(cdf[1] / cdf[0]) / grid.spacing();
     return std::isfinite(slope) ? slope : 0.0;
@@ -71,6 +82,7 @@ double CurvePoints::first_at_least(double share) const {
 CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
                           const std::vector<PointMass>& points) {
     require_bins(grid, cdf);
+    require_rising(cdf);
     CurvePoints curve;
     curve.tail_slope = tail_slope(grid, cdf);
     const auto add = [&curve](double psi, double finer) {
@@ -154,6 +166,7 @@ double percentile(const LogGrid& grid, VectorView<const double> cdf, double perc
                   const std::vector<PointMass>& points) {
     require(percent >= 0.0 && percent <= 100.0, "percent", percent, "between 0 and 100");
     require_bins(grid, cdf);
+    require_rising(cdf);
     const double finer = percent / 100.0;
     const std::string name = "D" + text(percent);
     const auto* bin = std::find_if(cdf.begin(), cdf.end(), [&](double f) { return f >= finer - rounding; });

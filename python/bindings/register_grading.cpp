@@ -422,7 +422,8 @@ float
 Raises
 ------
 ParameterError
-    If D_x lies in the fines bin, where no size is known, or above the largest size.
+    If D_x lies in the fines bin, where no size is known, or above the largest size; for a cdf that falls, or is not
+    finite.
 
 Examples
 --------

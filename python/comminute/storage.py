@@ -192,7 +192,7 @@ def _result(data: Any) -> Result:
     points: list[list[PointMass]] = [[] for _ in fabrics]
     for load, psi, mass in rows_of(values, "point", ("load", "psi", "mass")):
         points[int(load)].append(PointMass(psi, mass))
-    rings: dict[str, Any] = json.loads(texts["lattice"])
+    rings: dict[str, Any] = json.loads(texts.get("lattice", "{}"))  # once unknown
     if rings:
         rings |= {name: values[name] for name in ("cdf_error", "crushes_error")}
     made_again: Result = (partial(LatticeResult, **rings) if rings else Result)(

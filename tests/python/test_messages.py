@@ -137,6 +137,11 @@ GRADINGS: list[tuple[Callable[[], object], str]] = [
         lambda: cm.percentile(GRID, cm.mixed_fabric(cm.power_law(2.9, 1e-4, 1.0), GRID).cdf(), 10),
         "D10 lies in the fines bin, which holds",
     ),
+    (
+        lambda: cm.percentile(GRID, np.append(np.linspace(0.0, 0.5, GRID.bins - 1), 0.25), 50),
+        f"cdf[{GRID.bins - 1}] is 0.25 after 0.5; a cdf is 0 or more and never falls. Pass the mass fraction finer",
+    ),
+    (lambda: cm.percentile(GRID, np.full(GRID.bins, np.nan), 50), "cdf[0] is nan after 0; a cdf is 0 or more"),
 ]
 
 RUNS: list[tuple[Callable[[], object], str]] = [

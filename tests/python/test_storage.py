@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import comminute as cm
+from comminute import storage
 from comminute.whole_files import write_whole
 
 xr = pytest.importorskip("xarray")
@@ -69,6 +70,17 @@ def test_a_file_can_be_read_by_others(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     with h5py.File(path) as file:
         np.testing.assert_array_equal(file["pmf"][...], result.pmf)
+
+
+def test_a_file_from_before_lattices_had_errors_is_read(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    result = simulation("sieves").run(stress=[1.2, 12.0])
+    path = result.save(tmp_path / "run.nc")
+    path.write_bytes(path.read_bytes()[: -storage.SEAL_SIZE])
+    with h5py.File(path, "r+") as file:
+        del file.attrs["lattice"]
+    storage._seal(path)
+    assert cm.open_result(path) == result
 
 
 @pytest.mark.parametrize("start", STARTS)

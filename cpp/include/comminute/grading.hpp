@@ -96,7 +96,7 @@ struct CurvePoints {
 /// continues as a power law through the two finest edges.
 /// @param cdf     (N) fraction finer than the upper edge of each bin, points among them
 /// @param points  exact sizes, fine to coarse: the curve jumps there, inside their bins
-/// @throws ShapeError
+/// @throws ShapeError, and ParameterError for a cdf that falls (by more than 1e-12) or is not finite
 CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
                           const std::vector<PointMass>& points = {});
 
@@ -208,7 +208,8 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
 /// @param percent  in [0, 100]
 /// @param extrapolate  continue a curve that ends in the fines bin as a power law through its two finest points
 /// @param points   exact sizes that are part of `cdf`, fine to coarse: it jumps there, inside their bin
-/// @throws ParameterError if D_x lies in the fines bin, where no size is known, or above the top
+/// @throws ParameterError if D_x lies in the fines bin, where no size is known, or above the top; for a cdf that falls (by
+/// more than 1e-12) or is not finite
 double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate = false,
                   const std::vector<PointMass>& points = {});
 
