@@ -1,10 +1,10 @@
 #!/bin/sh
-# Install the Debian packages that a build needs, as far as they are missing. With --dev: formatters and linters too; with
-# --bench: Google Benchmark.
+# Install the Debian packages that a build needs, as far as they are missing. With --dev: clang, its
+# formatter and linter too; with --bench: Google Benchmark.
 set -eu
 
 wanted="g++ cmake ninja-build libeigen3-dev libfftw3-dev doctest-dev python3-venv python3-dev"
-[ "${1:-}" = "--dev" ] && wanted="$wanted clang-format clang-tidy"
+[ "${1:-}" = "--dev" ] && wanted="$wanted clang clang-format clang-tidy"
 [ "${1:-}" = "--bench" ] && wanted="$wanted libbenchmark-dev"
 
 command -v dpkg-query >/dev/null 2>&1 || {

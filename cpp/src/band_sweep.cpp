@@ -45,7 +45,7 @@ void BandSweep::prepare(const CrushTable& table, const ActiveBand& after, bool w
     shells_kept_ = by_line_ ? 1 : whole_state ? bins_ : std::min(bins_, table.head + 2);
     const auto by_term = static_cast<std::size_t>(table.terms * bins_);
     for (Lines* lines : {&columns_, &rows_}) {
-        lines->sums.assign(static_cast<std::size_t>(table.terms * lanes_up(bins_)), 0.0);
+        lines->sums.assign(static_cast<std::size_t>(std::max(table.terms, Index{1}) * lanes_up(bins_)), 0.0);
         lines->own.assign(static_cast<std::size_t>(table.terms), 0.0);
         lines->pushed.assign(static_cast<std::size_t>(shells_kept_ * width_), 0.0);
         lines->fines.assign(static_cast<std::size_t>(lanes_up(bins_)), 0.0);

@@ -19,7 +19,7 @@ constexpr Index longest_block = 64;
 
 void CrushTable::set_powers() {
     stride = row_stride(bins + lanes);
-    power.assign(static_cast<std::size_t>(terms * stride), 0.0);
+    power.assign(static_cast<std::size_t>(std::max(terms, Index{1}) * stride), 0.0);  // a row to point into
     power_upwards.assign(power.size(), 0.0);
     for (Index a = 0; a < terms; ++a) {
         double* const row = power.data() + a * stride;

@@ -18,23 +18,25 @@ constexpr Index lanes = 8;
 #pragma GCC diagnostic ignored "-Wpsabi"  // of functions that hand vectors around: all are inlined
 #endif
 
+// NOLINTBEGIN(modernize-use-using): in a using clang drops the alignment
 template <Index Width>
 struct VectorTypes;
 template <>
 struct VectorTypes<2> {
     using Value = double __attribute__((vector_size(16)));
-    using Anywhere = double __attribute__((vector_size(16), aligned(8), may_alias));
+    typedef double Anywhere __attribute__((vector_size(16), aligned(8), may_alias));
 };
 template <>
 struct VectorTypes<4> {
     using Value = double __attribute__((vector_size(32)));
-    using Anywhere = double __attribute__((vector_size(32), aligned(8), may_alias));
+    typedef double Anywhere __attribute__((vector_size(32), aligned(8), may_alias));
 };
 template <>
 struct VectorTypes<8> {
     using Value = double __attribute__((vector_size(64)));
-    using Anywhere = double __attribute__((vector_size(64), aligned(8), may_alias));
+    typedef double Anywhere __attribute__((vector_size(64), aligned(8), may_alias));
 };
+// NOLINTEND(modernize-use-using)
 
 /// Doubles side by side, 2, 4 or 8: as many as a register of the machine holds.
 template <Index Width>

@@ -181,10 +181,11 @@ COMMINUTE_INLINE void add_to_rows_by(const Terms& of, const double* factors, Ind
 // Of two rows `Step` apart, the half of the columns in which they have changed places once all pairs of all steps have.
 template <Index Width, Index Step, std::size_t... Column>
 COMMINUTE_INLINE void exchange(Vector<Width>& upper, Vector<Width>& lower, std::index_sequence<Column...>) {
-    const Vector<Width> first = __builtin_shufflevector(
-        upper, lower, ((Column & Step) == 0 ? Column : static_cast<std::size_t>(Width) + Column - Step)...);
-    lower = __builtin_shufflevector(
-        upper, lower, ((Column & Step) == 0 ? Column + Step : static_cast<std::size_t>(Width) + Column)...);
+    constexpr auto step = static_cast<std::size_t>(Step);
+    constexpr auto width = static_cast<std::size_t>(Width);
+    const Vector<Width> first =
+        __builtin_shufflevector(upper, lower, ((Column & step) == 0 ? Column : width + Column - step)...);
+    lower = __builtin_shufflevector(upper, lower, ((Column & step) == 0 ? Column + step : width + Column)...);
     upper = first;
 }
 

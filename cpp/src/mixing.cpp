@@ -135,8 +135,10 @@ Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mea
     }
     require_whole(total, points.empty() ? "grainsize" : "grainsize with its points");
     std::vector<double> neighbours = neighbourhood_pmf(grid, grainsize, mean);
-    points = resolved(grid, points, grainsize);
-    if (!points.empty()) neighbours = neighbourhood_pmf(grid, grainsize, mean);
+    if (!points.empty()) {
+        points = resolved(grid, points, grainsize);
+        neighbours = neighbourhood_pmf(grid, grainsize, mean);  // of what now lies among the fines, too
+    }
     add_mixed_pairs(grid, grainsize, points, mean, neighbours);
     std::vector<PointMass> exact_neighbours = exact_pairs(points, mean);
 

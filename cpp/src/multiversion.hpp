@@ -10,8 +10,7 @@
 // COMMINUTE_VERSIONS(result, name, (parameters), (arguments)) defines `name` from a template `name_by<Width>`, Width the
 // number of doubles in a register: vectors wider than the machine's would be taken apart through memory, ten times slower.
 // NOLINTBEGIN(bugprone-macro-parentheses): of a type
-#if !defined(__x86_64__) || !defined(__gnu_linux__) || !defined(__GNUC__) || defined(__clang__) || \
-    __GNUC__ < 12
+#if !defined(__x86_64__) || !defined(__gnu_linux__) || !defined(__GNUC__) || defined(__clang__)
 #define COMMINUTE_MULTIVERSION
 #define COMMINUTE_VERSIONS(Result, name, parameters, arguments) \
     Result name parameters {                                    \
@@ -57,6 +56,7 @@ inline int machine_vectors() {
 
 // For what a hot function is made of: a copy of it in each, and in each of its versions.
 #define COMMINUTE_INLINE [[gnu::always_inline]] inline
+#define COMMINUTE_INLINE_LAMBDA __attribute__((always_inline))
 
 // Says of the next loop that its passes do not feed each other, through whatever pointers.
 #if defined(__clang__)

@@ -94,10 +94,12 @@ struct SideBySide {
         const auto any = whole.to > whole.from;
         const Numbers whole_from = any ? whole.from : to;
         const Numbers whole_to = any ? whole.to : to;
-        const auto partly = [&](const Numbers& s, const Numbers& t) {
+        // Inlined come what may: left to itself it would return by another convention than its callers', whose registers
+        // are wider.
+        const auto partly = [&](const Numbers& s, const Numbers& t) COMMINUTE_INLINE_LAMBDA {
             return diagonal ? 2.0 * root * s : 0.5 - distance - t + root * s;
         };
-        const auto wholly = [&](const Numbers&, const Numbers& t) {
+        const auto wholly = [&](const Numbers&, const Numbers& t) COMMINUTE_INLINE_LAMBDA {
             return diagonal ? 2.0 * t + 1.0 : all<Width>(1.0);
         };
         const Numbers found = integral(from, whole_from, partly) + integral(whole_from, whole_to, wholly) +
@@ -162,7 +164,7 @@ ShellZones::Extents ShellZones::extents(Index m) const {
     double outer[lanes];
     if (std::isinf(tip_) || std::isinf(steepness_)) {
         for (Index l = 0; l < lanes; ++l) {
-            const double tip = tip_ - static_cast<double>(m + l);
+            const double tip = steepness_ > 0.0 ? tip_ - static_cast<double>(m + l) : 0.5;
             inner[l] = tip < -0.5 ? steepness_ * (-0.5 - tip) : -1.0;
             outer[l] = tip < 0.5 ? steepness_ * (0.5 - tip) : -1.0;
         }
@@ -184,10 +186,11 @@ void ShellZones::shares(Index m, const Distances& first, Index rows, double* sha
         shares_of_eight(tip_, m, steepness_, first.data(), rows, share);
         return;
     }
-    for (Index row = 0; row < rows; ++row) {  // the zone is all to the right of the tip
+    // The zone is all to the right of the tip; nothing where the fabric is so narrow that its width squared is 0.
+    for (Index row = 0; row < rows; ++row) {
         for (Index l = 0; l < lanes; ++l) {
             const double begin = std::clamp(tip_ - static_cast<double>(m + l), -0.5, 0.5);
-            const double above = 0.5 - begin;
+            const double above = steepness_ > 0.0 ? 0.5 - begin : 0.0;
             share[row * lanes + l] =
                 first[static_cast<std::size_t>(l)] + row == 0 ? above * (2.0 - above) : above;
         }

@@ -340,6 +340,15 @@ TEST_CASE("shares are 1 well inside the zone, 0 well outside, symmetric, and gro
     }
 }
 
+TEST_CASE("a fabric so narrow that its width squared is 0 has no zone under any load") {
+    const LogGrid grid(-3.0, 0.0, 41);
+    std::vector<double> share(at(41 * 41), 1.0);
+    for (const double stress_ratio : {0.0, 1.0, 1e9, infinity}) {
+        active_share(grid, material(1e-170), stress_ratio, {share.data(), 41, 41});
+        CHECK(*std::max_element(share.begin(), share.end()) == 0.0);
+    }
+}
+
 TEST_CASE("results are distrusted where the zone reaches the fines bin, up to two widths above it") {
     const Material m = material(0.2);
     const LogGrid grid(-3.0, 0.0, 121);

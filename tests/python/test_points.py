@@ -234,6 +234,17 @@ def test_the_error_from_equal_grains_does_not_grow_where_the_zone_is_narrow(load
         assert np.abs(cdf(145, "binned") - exact).max() > 0.2
 
 
+@pytest.mark.parametrize("mean", ["arithmetic", "geometric"])
+def test_exact_sizes_among_the_fines_are_neighbours_too(mean: Literal["arithmetic", "geometric"]) -> None:
+    grid = cm.LogGrid(-4.0, 0.0, 41)
+    assert cm.mixed_fabric(cm.monodisperse(1e-9), grid, mean=mean).probability[0, 0] == 1.0
+    for coarse in (1.0, math.exp(-1.0)):  # at the centre of a bin
+        gap = cm.gap_graded(coarse, 1e-9)
+        found, binned = (cm.mixed_fabric(gap, grid, mean=mean, points=points) for points in ("exact", "binned"))
+        np.testing.assert_allclose(found.neighbourhood(), binned.neighbourhood(), rtol=0.0, atol=1e-15)
+        assert found.neighbourhood()[0] == pytest.approx(0.25)
+
+
 @pytest.mark.parametrize("load", [1.0, 1.001])
 def test_equal_grains_spread_over_a_bin_wider_than_the_zone_hardly_crush(load: float) -> None:
     def error(bins: int, points: Literal["exact", "binned"]) -> float:
