@@ -107,6 +107,10 @@ void slow_update(benchmark::State& state) {
     count(state, flops, 16.0 * static_cast<double>(bins * bins));
 }
 
+comminute::FullConvolution exact_step(const comminute::LogGrid& grid, comminute::StepPath path) {
+    return comminute::FullConvolution({grid, comminute::Material{}, comminute::KernelKind::exact}, path);
+}
+
 // A complex line there and back at 5 L log2 L each, and its product with the filter's spectrum.
 double pair_flops(double length) {
     return length * (10.0 * std::log2(length) + 6.0);
@@ -118,9 +122,7 @@ double pair_flops(double length) {
 void full_convolution(benchmark::State& state) {
     const Index bins = state.range(0);
     const auto grid = grid_of(bins);
-    comminute::FullConvolution engine(
-        comminute::Kernel(grid, comminute::Material{}, comminute::KernelKind::exact),
-        comminute::StepPath::transforms);
+    auto engine = exact_step(grid, comminute::StepPath::transforms);
     auto p = copy_of(start_on(grid));
     auto out = p;
     for (auto turn : state) engine.step(view(p, bins), load, view(out, bins));
@@ -140,9 +142,7 @@ void full_convolution(benchmark::State& state) {
 void running_sums(benchmark::State& state) {
     const Index bins = state.range(0);
     const auto grid = grid_of(bins);
-    comminute::FullConvolution engine(
-        comminute::Kernel(grid, comminute::Material{}, comminute::KernelKind::exact),
-        comminute::StepPath::sums);
+    auto engine = exact_step(grid, comminute::StepPath::sums);
     auto p = copy_of(start_on(grid));
     auto out = p;
     comminute::StepReport report;

@@ -125,7 +125,7 @@ def errors(
     def error(curve: Curve) -> float:
         psi = curve.edges if at == "edges" else SIZES
         among = (psi >= SIZES[0]) & (psi <= SIZES[-1])
-        read = psi[among & np.all([np.abs(psi - place) >= CLEARANCE - 1e-9 for place in (99.0, *avoid)], axis=0)]
+        read = psi[among & np.all([np.abs(psi - place) >= CLEARANCE - 1e-9 for place in avoid], axis=0)]
         return float(np.abs(curve.between(read, at) - expected(read)).max())
 
     def worst(bins: int) -> float:

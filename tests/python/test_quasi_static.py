@@ -47,13 +47,14 @@ def follow(solver: cm.QuasiStatic, p: Array, loads: list[float]) -> tuple[Array,
 def test_running_sums_and_bin_by_bin_agree(case: SolveCase) -> None:
     direct, sums = case.solver("direct"), case.solver("sums")
     expected, found = direct.solve(case.p, case.stress_ratio), sums.solve(case.p, case.stress_ratio)
-    atol = ROUNDING
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=atol)
-    np.testing.assert_allclose(np.cumsum(found.sum(axis=1)), np.cumsum(expected.sum(axis=1)), rtol=0.0, atol=2.0 * atol)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=ROUNDING)
+    np.testing.assert_allclose(
+        np.cumsum(found.sum(axis=1)), np.cumsum(expected.sum(axis=1)), rtol=0.0, atol=2.0 * ROUNDING
+    )
     same_crushes(sums.report, direct.report)
     for state in (found, expected):
         assert state.min() >= 0.0
-        assert math.fsum(state.ravel()) == pytest.approx(1.0, abs=atol)
+        assert math.fsum(state.ravel()) == pytest.approx(1.0, abs=ROUNDING)
     automatic = case.solver()
     np.testing.assert_array_equal(
         automatic.solve(case.p, case.stress_ratio), found if automatic.report.path == "sums" else expected
@@ -79,12 +80,11 @@ def test_large_grids(bins: int, material: cm.Material, stress_ratio: float) -> N
         direct = cm.QuasiStatic(grid, material, scheme, path="direct")
         sums = cm.QuasiStatic(grid, material, scheme, path="sums")
         expected = direct.solve(start, stress_ratio)
-        atol = ROUNDING
-        np.testing.assert_allclose(sums.solve(start, stress_ratio), expected, rtol=0.0, atol=atol)
+        np.testing.assert_allclose(sums.solve(start, stress_ratio), expected, rtol=0.0, atol=ROUNDING)
         assert sums.report.path == "sums"
         same_crushes(sums.report, direct.report)
         path, *crushed = follow(sums, start, (stress_ratio * np.geomspace(0.01, 1.0, 20)).tolist())
-        np.testing.assert_allclose(path, expected, rtol=0.0, atol=atol)
+        np.testing.assert_allclose(path, expected, rtol=0.0, atol=ROUNDING)
         assert crushed == pytest.approx([direct.report.crushed, direct.report.crushed_neighbour], rel=1e-13)
 
 
@@ -164,16 +164,15 @@ def test_the_marginal_is_the_row_sums_of_the_state(case: SolveCase, rate: float)
     for settled_at in (None, 0.4 * case.stress_ratio, 2.0 * case.stress_ratio):
         state = solver.solve(case.p, case.stress_ratio, settled_at)
         of_state = solver.report
-        atol = ROUNDING
         marginal = solver.marginal(case.p, case.stress_ratio, settled_at)
-        np.testing.assert_allclose(marginal, state.sum(axis=1), rtol=0.0, atol=atol)
+        np.testing.assert_allclose(marginal, state.sum(axis=1), rtol=0.0, atol=ROUNDING)
         assert marginal.min() >= 0.0
         assert solver.report == of_state
         fabric = cm.Fabric(case.grid, case.p, settled_at=settled_at)
-        np.testing.assert_allclose(solver.marginal(fabric, case.stress_ratio), marginal, rtol=0.0, atol=atol)
+        np.testing.assert_allclose(solver.marginal(fabric, case.stress_ratio), marginal, rtol=0.0, atol=ROUNDING)
         after = solver.solve(fabric, case.stress_ratio)
         np.testing.assert_array_equal(after.probability, state)
-        np.testing.assert_allclose(after.grainsize(), marginal, rtol=0.0, atol=atol)
+        np.testing.assert_allclose(after.grainsize(), marginal, rtol=0.0, atol=ROUNDING)
         np.testing.assert_array_equal(solver.grading_after(fabric, case.stress_ratio).grainsize, after.grainsize())
         assert after.settled_at == max(case.stress_ratio, settled_at or 0.0)
 
