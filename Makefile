@@ -68,10 +68,10 @@ build/release/.built: $(VENV)/.made $(SOURCES) $(shell find tests/cpp tests/cons
 lint: $(VENV)/.installed
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
-	$(VENV)/bin/mypy --strict python/comminute examples tests/python tests/long docs/gallery docs/validation bench
+	$(VENV)/bin/mypy --strict python/comminute examples tests docs/gallery docs/validation bench
 	clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
 	cmake --preset release > /dev/null
-	ls cpp/src/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option
+	ls cpp/src/*/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option
 
 # C++ tests under AddressSanitizer with UBSan and under ThreadSanitizer, with narrower registers than the machine's; and
 # without FFTW, not optimised, and by clang.
@@ -84,10 +84,10 @@ check: lint sanitize test
 
 # Long random checks; all but the first write their reports under docs/validation.
 check-long: $(VENV)/.installed
-	COMMINUTE_HYPOTHESIS=long $(PY) -m pytest -q tests/python/test_against_reference.py tests/python/test_laws.py \
-	  tests/python/test_lattice.py
-	$(PY) tests/python/mutations.py 60000 30000 20000
-	$(PY) tests/python/kills.py 50
+	COMMINUTE_HYPOTHESIS=long $(PY) -m pytest -q tests/laws/test_against_reference.py tests/laws/test_laws.py \
+	  tests/python/lattice/test_lattice.py
+	$(PY) tests/support/mutations.py 60000 30000 20000
+	$(PY) tests/support/kills.py 50
 	$(PY) tests/long/fuzz_quasi_static.py
 	$(PY) tests/long/lattice_statistics.py
 

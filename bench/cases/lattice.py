@@ -22,7 +22,7 @@ from contestants.numba_lattice import NumbaLattice, seed
 from contestants.plain_lattice import PlainLattice, SweptLattice, weibull
 from harness import OURS, PER_SECOND, Check, Contestant, Goal, Trial, largest_difference
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "python"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "reference"))
 from reference_lattice import FRAGMENT, TIE, bits, tie_key, uniform
 
 LOAD = 1e4

@@ -144,7 +144,7 @@ Examples
         .def_static(
             "read",
             [](const py::object& path, const py::object& unit, const std::string& top, bool number) {
-                const auto read = py::module_::import("comminute.reading").attr("read_grading");
+                const auto read = py::module_::import("comminute.gradings.reading").attr("read_grading");
                 return read(path, py::arg("unit") = unit, py::arg("top") = top, py::arg("number") = number);
             },
             py::arg("path"), py::kw_only(), py::arg("unit") = py::none(), py::arg("top") = "error",
@@ -190,7 +190,7 @@ array([1. , 0.7, 0.2])
         .def(
             "to_sieves",
             [](const py::object& self, const py::object& sieves) {
-                return py::module_::import("comminute.curves").attr("on_sieves")(self, sieves);
+                return py::module_::import("comminute.gradings.curves").attr("on_sieves")(self, sieves);
             },
             py::arg("sieves"), R"doc(Per cent finer and retained on sieves, coarse to fine.
 

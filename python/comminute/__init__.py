@@ -60,7 +60,8 @@ from comminute._core import (
     stress_ratio_at,
     uniform_size,
 )
-from comminute.breakage import (
+from comminute.files.storage import open_result
+from comminute.gradings.breakage import (
     Breakage,
     FractalFit,
     breakage_index,
@@ -68,18 +69,17 @@ from comminute.breakage import (
     fractal_dimension,
     relative_breakage,
 )
-from comminute.continuing import run_again
-from comminute.curves import SieveTable, SizeCurve
-from comminute.indices import FolkWard, Milling, curvature, fines_share, folk_ward, milling, phi, uniformity
-from comminute.lattice import Lattice, TimeSteppedLattice
-from comminute.lattice_results import Comparison, LatticeResult, compare
-from comminute.recipe import Recipe
-from comminute.remarks import ResolutionWarning
-from comminute.results import Result
-from comminute.sieves import sieve_size, sieve_sizes
+from comminute.gradings.curves import SieveTable, SizeCurve
+from comminute.gradings.indices import FolkWard, Milling, curvature, fines_share, folk_ward, milling, phi, uniformity
+from comminute.gradings.sieves import sieve_size, sieve_sizes
+from comminute.lattice.results import Comparison, LatticeResult, compare
+from comminute.lattice.rings import Lattice, TimeSteppedLattice
+from comminute.lattice.small_ring import SmallRing
+from comminute.result import Result
+from comminute.runs.continuing import run_again
+from comminute.runs.recipe import Recipe
+from comminute.runs.remarks import ResolutionWarning
 from comminute.simulation import Interrupted, Simulation
-from comminute.small_ring import SmallRing
-from comminute.storage import open_result
 
 __all__ = [
     "Atom",

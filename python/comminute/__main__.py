@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from comminute.whole_files import uninterrupted
+from comminute.util.whole_files import uninterrupted
 
 NEEDED = ("typer", "pydantic", "xarray", "h5netcdf", "h5py")
 ABORTED, MISSING_EXTRA, STOPPED = 1, 5, 130  # the first is click's own, for Ctrl-C before a command has begun
@@ -14,7 +14,7 @@ def main() -> None:
     """Run the command line."""
     try:
         with uninterrupted():  # libraries that are being loaded may not survive it
-            from comminute.cli import app  # noqa: PLC0415  (its libraries are optional)
+            from comminute.cli.app import app  # noqa: PLC0415  (its libraries are optional)
     except ImportError as error:
         if (error.name or "").split(".")[0] not in NEEDED:
             raise

@@ -6,7 +6,7 @@ from typing import Literal, overload
 import numpy as np
 import numpy.typing as npt
 
-from comminute.curves import SieveTable
+from comminute.gradings.curves import SieveTable
 
 __version__: str
 has_fftw: bool

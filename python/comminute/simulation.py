@@ -10,12 +10,12 @@ from typing import Literal
 import numpy as np
 
 from comminute._core import Fabric, Grading, LogGrid, Material, ParameterError, fitting_grid, mixed_fabric
-from comminute.choices import EngineName, Kind, Mean, Scheme, require_word
-from comminute.load_path import LoadPath, load_path, wanted_fabrics
-from comminute.recipe import Recipe
-from comminute.remarks import ResolutionWarning, explained, resolution_warnings
-from comminute.results import Result
-from comminute.walk import Engines, Records, Walk, engine_of, kind_of
+from comminute.result import Result
+from comminute.runs.load_path import LoadPath, load_path, wanted_fabrics
+from comminute.runs.recipe import Recipe
+from comminute.runs.remarks import ResolutionWarning, explained, resolution_warnings
+from comminute.runs.walk import Engines, Records, Walk, engine_of, kind_of
+from comminute.util.choices import EngineName, Kind, Mean, Scheme, require_word
 
 
 class Interrupted(KeyboardInterrupt):

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "comminute/fabric.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/check.hpp"
+#include "comminute/material.hpp"
+#include "fabric/fabric_access.hpp"
+
+namespace comminute {
+namespace {
+
+using Line = Eigen::Map<Eigen::ArrayXd>;
+using ConstLine = Eigen::Map<const Eigen::ArrayXd>;
+
+std::string place_text(const char* list, std::size_t index, const char* field = "") {
+    return std::string(list) + "[" + std::to_string(index) + "]" + field;
+}
+
+// An exact place inside the grid and above the fines bin, whose grains have no exact size.
+void require_resolved(const LogGrid& grid, double psi, const std::string& place) {
+    if (psi >= grid.edge(1) && psi <= grid.edge(grid.bins())) return;
+    throw ParameterError(place + " is " + text(psi) + "; it must lie between " + text(grid.edge(1)) +
+                         " and " + text(grid.edge(grid.bins())) +
+                         ", inside the grid and above its fines bin");
+}
+
+double checked_total(const LogGrid& grid, const std::vector<Atom>& atoms) {
+    double total = 0.0;
+    for (std::size_t a = 0; a < atoms.size(); ++a) {
+        require_resolved(grid, atoms[a].psi, place_text("atoms", a, ".psi"));
+        require_resolved(grid, atoms[a].psibar, place_text("atoms", a, ".psibar"));
+        require_share(atoms[a].mass, place_text("atoms", a, ".mass"));
+        total += atoms[a].mass;
+    }
+    return total;
+}
+
+double checked_total(const LogGrid& grid, const std::vector<Ridge>& ridges) {
+    double total = 0.0;
+    for (std::size_t r = 0; r < ridges.size(); ++r) {
+        const Ridge& ridge = ridges[r];
+        require_resolved(grid, ridge.at, place_text("ridges", r, ".at"));
+        if (static_cast<Index>(ridge.mass.size()) != grid.bins()) {
+            throw ShapeError(place_text("ridges", r, ".mass") + " has " + std::to_string(ridge.mass.size()) +
+                             " entries; the grid has " + std::to_string(grid.bins()) + " bins");
+        }
+        for (std::size_t i = 0; i < ridge.mass.size(); ++i) {
+            require_share(ridge.mass[i], place_text("ridges", r, ".mass") + "[" + std::to_string(i) + "]");
+            total += ridge.mass[i];
+        }
+        const double in_bin = ridge.mass[static_cast<std::size_t>(grid.bin_of(ridge.at))];
+        require(ridge.above >= 0.0 && ridge.above <= in_bin, "above of a ridge", ridge.above,
+                "between 0 and the mass in the bin that holds its exact size");
+    }
+    return total;
+}
+
+}  // namespace
+
+std::vector<PointMass> exact_sizes(const std::vector<Atom>& atoms, const std::vector<Ridge>& ridges) {
+    std::vector<PointMass> sizes;
+    sizes.reserve(atoms.size() + ridges.size());
+    for (const Atom& atom : atoms) sizes.push_back({atom.psi, atom.mass});
+    for (const Ridge& ridge : ridges) {
+        if (ridge.exact != Axis::grain) continue;
+        sizes.push_back({ridge.at, std::accumulate(ridge.mass.begin(), ridge.mass.end(), 0.0)});
+    }
+    std::stable_sort(sizes.begin(), sizes.end(),
+                     [](const PointMass& a, const PointMass& b) { return a.psi < b.psi; });
+    std::vector<PointMass> merged;
+    for (const PointMass& size : sizes) {
+        if (merged.empty() || merged.back().psi != size.psi) merged.push_back({size.psi, 0.0});
+        merged.back().mass += size.mass;
+    }
+    return merged;
+}
+
+std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread,
+                                const std::vector<PointMass>& points) {
+    for (const PointMass& point : points)
+        spread[static_cast<std::size_t>(grid.bin_of(point.psi))] += point.mass;
+    return spread;
+}
+
+Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::vector<Atom> atoms,
+               std::optional<double> settled_at, Mean mean, std::vector<Ridge> ridges) {
+    const Index bins = grid.bins();
+    if (static_cast<Index>(probability.size()) != bins * bins) {
+        throw ShapeError("probability has " + std::to_string(probability.size()) +
+                         " entries; the grid needs shape " + shape_text(bins, bins));
+    }
+    if (settled_at) require_stress_ratio(*settled_at);
+    std::vector<double> rows(static_cast<std::size_t>(bins));
+    for (Index i = 0; i < bins; ++i) {
+        const ConstLine row(probability.data() + i * bins, bins);
+        for (Index j = 0; j < bins; ++j) {
+            if (std::isfinite(row[j]) && row[j] >= 0.0) continue;
+            require_share(row[j], "probability[" + std::to_string(i) + ", " + std::to_string(j) + "]");
+        }
+        rows[static_cast<std::size_t>(i)] = row.sum();
+    }
+    double total = std::accumulate(rows.begin(), rows.end(), 0.0);
+    total += checked_total(grid, atoms) + checked_total(grid, ridges);
+    require_whole(total,
+                  atoms.empty() && ridges.empty() ? "probability" : "probability, atoms and ridges together");
+
+    std::vector<double> spread = rows;
+    for (const Ridge& ridge : ridges) {
+        if (ridge.exact == Axis::neighbour) Line(spread.data(), bins) += ConstLine(ridge.mass.data(), bins);
+    }
+    std::vector<PointMass> points = exact_sizes(atoms, ridges);
+    std::vector<double> grainsize = with_points(grid, spread, points);
+    data_ = std::make_shared<const Data>(Data{grid, std::move(probability), std::move(atoms),
+                                              std::move(ridges), settled_at, mean, std::move(rows),
+                                              std::move(spread), std::move(points), std::move(grainsize)});
+}
+
+MatrixView<const double> Fabric::probability() const {
+    return {data_->probability.data(), grid().bins(), grid().bins()};
+}
+
+std::vector<double> Fabric::neighbourhood() const {
+    const Index bins = grid().bins();
+    std::vector<double> pmf(static_cast<std::size_t>(bins), 0.0);
+    for (Index i = 0; i < bins; ++i) Line(pmf.data(), bins) += ConstLine(probability().row(i), bins);
+    for (const Atom& atom : atoms()) pmf[static_cast<std::size_t>(grid().bin_of(atom.psibar))] += atom.mass;
+    for (const Ridge& ridge : ridges()) {
+        const ConstLine mass(ridge.mass.data(), bins);
+        if (ridge.exact == Axis::grain) {
+            Line(pmf.data(), bins) += mass;
+        } else {
+            pmf[static_cast<std::size_t>(grid().bin_of(ridge.at))] += mass.sum();
+        }
+    }
+    return pmf;
+}
+
+std::vector<double> Fabric::cdf() const {
+    std::vector<double> finer(data_->grainsize.size());
+    std::partial_sum(data_->grainsize.begin(), data_->grainsize.end(), finer.begin());
+    return finer;
+}
+
+Fabric Fabric::binned() const {
+    if (atoms().empty() && ridges().empty()) return *this;
+    const Index bins = grid().bins();
+    std::vector<double> p = data_->probability;
+    const auto put = [&](Index i, Index j, double mass) {
+        p[static_cast<std::size_t>(i * bins + j)] += mass;
+    };
+    for (const Atom& atom : atoms()) put(grid().bin_of(atom.psi), grid().bin_of(atom.psibar), atom.mass);
+    for (const Ridge& ridge : ridges()) {
+        const Index at = grid().bin_of(ridge.at);
+        for (Index i = 0; i < bins; ++i) {
+            const double mass = ridge.mass[static_cast<std::size_t>(i)];
+            ridge.exact == Axis::grain ? put(at, i, mass) : put(i, at, mass);
+        }
+    }
+    const std::vector<double>& marginal = data_->grainsize;
+    return FabricAccess::make(
+        {grid(), std::move(p), {}, {}, std::nullopt, mean(), marginal, marginal, {}, marginal});
+}
+
+CarriedMarginals Fabric::carried() const {
+    return {data_->rows, data_->spread, data_->points};
+}
+
+Fabric Fabric::with_carried(CarriedMarginals marginals) const {
+    const auto require_close = [](double given, double own, const std::string& place) {
+        if (std::abs(given - own) <= 1e-9) return;
+        throw ParameterError(place + " of the carried marginals is " + text(given) + "; the fabric has " +
+                             text(own) + " there. Pass what `carried` gave for the same fabric");
+    };
+    const std::size_t bins = data_->rows.size();
+    if (marginals.rows.size() != bins || marginals.spread.size() != bins ||
+        marginals.points.size() != data_->points.size()) {
+        throw ShapeError("the carried marginals have " + std::to_string(marginals.rows.size()) + " and " +
+                         std::to_string(marginals.spread.size()) + " bins and " +
+                         std::to_string(marginals.points.size()) + " points; the fabric has " +
+                         std::to_string(bins) + " bins and " + std::to_string(data_->points.size()) +
+                         " points");
+    }
+    for (std::size_t i = 0; i < bins; ++i) {
+        require_close(marginals.rows[i], data_->rows[i], "rows[" + std::to_string(i) + "]");
+        require_close(marginals.spread[i], data_->spread[i], "spread[" + std::to_string(i) + "]");
+    }
+    for (std::size_t a = 0; a < marginals.points.size(); ++a) {
+        require_close(marginals.points[a].psi, data_->points[a].psi, place_text("points", a, ".psi"));
+        require_close(marginals.points[a].mass, data_->points[a].mass, place_text("points", a, ".mass"));
+    }
+    Data data = *data_;
+    data.rows = std::move(marginals.rows);
+    data.spread = std::move(marginals.spread);
+    data.points = std::move(marginals.points);
+    data.grainsize = with_points(data.grid, data.spread, data.points);
+    return Fabric(std::make_shared<const Data>(std::move(data)));
+}
+
+bool operator==(const Fabric& a, const Fabric& b) {
+    return a.data_ == b.data_ ||
+           (a.grid() == b.grid() && a.mean() == b.mean() && a.settled_at() == b.settled_at() &&
+            a.data_->probability == b.data_->probability && a.atoms() == b.atoms() &&
+            a.ridges() == b.ridges());
+}
+
+}  // namespace comminute

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "comminute/lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <tuple>
+#include <typeinfo>
+#include <utility>
+
+#include "base/check.hpp"
+#include "base/random.hpp"
+#include "base/workers.hpp"
+#include "gradings/sampling.hpp"
+#include "lattice/weakest_first.hpp"
+
+namespace comminute {
+namespace {
+
+constexpr double largest_log_ratio = 700.0;  // e^700 is close to the largest double
+
+void require_options(const LatticeOptions& options) {
+    require(options.replicas >= 1, "replicas", static_cast<double>(options.replicas), "at least 1");
+    require(options.threads >= 1, "threads", static_cast<double>(options.threads), "at least 1");
+}
+
+void require_cells(Index cells) {
+    require(cells >= 2 && cells < 0xFFFFFFFF, "cells", static_cast<double>(cells),
+            "at least 2 (a ring) and less than 2^32 - 1");
+}
+
+double relative_psi(double size, double reference_size) {
+    const double psi = std::log(size / reference_size);
+    if (std::abs(psi) <= largest_log_ratio) return psi;
+    throw ParameterError("a size is " + text(size) + " and reference_size is " + text(reference_size) +
+                         "; their ratio must be between e^-700 and e^700");
+}
+
+LatticeRing ring_of(std::size_t cells, Index replica, const LatticeOptions& options) {
+    LatticeRing ring;
+    ring.cells.resize(cells);
+    ring.crushes.assign(cells, 0);
+    ring.stream = random_bits(options.seed, Purpose::stream, static_cast<std::uint64_t>(replica), 0);
+    return ring;
+}
+
+void shuffle(LatticeRing& ring) {
+    for (std::uint64_t left = ring.cells.size(); left > 1; --left) {
+        // the high half of a 64 by 64 bit product: as good as uniform, off by less than 2^-31
+        const auto bits = random_bits(ring.stream, Purpose::shuffle, left, ring.remixes);
+        __extension__ const auto other =
+            static_cast<std::size_t>((static_cast<unsigned __int128>(bits) * left) >> 64);
+        std::swap(ring.cells[left - 1], ring.cells[other]);
+        std::swap(ring.crushes[left - 1], ring.crushes[other]);
+    }
+}
+
+}  // namespace
+
+LatticeState::LatticeState(Index cells, Material material, const Grading& grading,
+                           const LatticeOptions& options)
+    : material_(std::move(material)), options_(options) {
+    material_.validate();
+    require_options(options);
+    require_cells(cells);
+    relative_psi(grading.largest(), material_.reference_size);
+    const auto* points = std::get_if<PointMasses>(&grading.law);
+    const bool one_size = points != nullptr && points->size.size() == 1;
+    rings_.resize(static_cast<std::size_t>(options.replicas));
+    for_each_ring(
+        [&](LatticeRing& ring, const auto&) {
+            ring = ring_of(static_cast<std::size_t>(cells), &ring - rings_.data(), options_);
+            for (std::size_t c = 0; c < ring.cells.size(); ++c) {
+                const double p = one_size ? 0.5 : random_uniform(ring.stream, Purpose::start, c, 0);
+                // tails that run on for ever end where a double does
+                const double size =
+                    std::max(size_quantile(grading.law, p), material_.reference_size * 1e-300);
+                ring.cells[c].psi = relative_psi(size, material_.reference_size);
+                ring.cells[c].size = std::exp(ring.cells[c].psi);
+            }
+        },
+        {});
+}
+
+LatticeState::LatticeState(VectorView<const double> sizes, Material material, const LatticeOptions& options)
+    : material_(std::move(material)), options_(options) {
+    material_.validate();
+    require_options(options);
+    require_cells(sizes.size());
+    for (Index c = 0; c < sizes.size(); ++c) {
+        if (sizes[c] > 0.0 && std::isfinite(sizes[c])) continue;
+        throw ParameterError("sizes[" + std::to_string(c) + "] is " + text(sizes[c]) +
+                             "; it must be greater than 0 and finite");
+    }
+    for (Index replica = 0; replica < options.replicas; ++replica) {
+        rings_.push_back(ring_of(static_cast<std::size_t>(sizes.size()), replica, options_));
+        for (std::size_t c = 0; c < rings_.back().cells.size(); ++c) {
+            const double psi = relative_psi(sizes[static_cast<Index>(c)], material_.reference_size);
+            rings_.back().cells[c] = {psi, std::exp(psi)};
+        }
+    }
+}
+
+LatticeState::LatticeState(std::vector<LatticeRing> rings, Material material, const LatticeOptions& options)
+    : material_(std::move(material)), options_(options), rings_(std::move(rings)) {
+    material_.validate();
+    require_options(options);
+    require(static_cast<Index>(rings_.size()) == options.replicas, "replicas",
+            static_cast<double>(options.replicas), "the number of rings");
+    for (const auto& ring : rings_) {
+        require_cells(static_cast<Index>(ring.cells.size()));
+        if (ring.cells.size() != rings_.front().cells.size() || ring.crushes.size() != ring.cells.size())
+            throw ShapeError(
+                "the rings differ in length; all must have the same number of cells and of crush counts");
+    }
+}
+
+void LatticeState::for_each_ring(const std::function<void(LatticeRing&, const std::function<bool()>&)>& work,
+                                 const std::function<bool()>& go_on) {
+    for_each_index(
+        rings_.size(), static_cast<std::size_t>(options_.threads),
+        [&](std::size_t r, const std::function<bool()>& ask) { work(rings_[r], ask); }, go_on);
+}
+
+void LatticeState::require_load(double stress_ratio) const {
+    require_stress_ratio(stress_ratio);
+    const double largest = 3.0 / material_.weibull_modulus * largest_log_ratio;
+    if (std::log(stress_ratio) <= largest) return;
+    throw ParameterError("stress_ratio is " + text(stress_ratio) + "; it must be at most e^" + text(largest) +
+                         ": more crushes grains below e^-700 of reference_size, which a double cannot hold");
+}
+
+std::uint64_t LatticeState::total_crushes() const {
+    std::uint64_t total = 0;
+    for (const auto& ring : rings_) total = std::accumulate(ring.crushes.begin(), ring.crushes.end(), total);
+    return total;
+}
+
+std::uint64_t LatticeState::load_to(double stress_ratio, const std::function<bool()>& go_on) {
+    require_load(stress_ratio);
+    const auto before = total_crushes();
+    if (come_to_rest(go_on)) {
+        for (auto& ring : rings_) {
+            if (ring.loaded_to && stress_ratio <= *ring.loaded_to) continue;
+            ring.loaded_to = stress_ratio;
+            ring.at_rest = false;
+        }
+        come_to_rest(go_on);
+    }
+    return total_crushes() - before;
+}
+
+bool LatticeState::come_to_rest(const std::function<bool()>& go_on) {
+    const auto at_rest = [](const LatticeRing& ring) { return ring.at_rest; };
+    if (std::all_of(rings_.begin(), rings_.end(), at_rest)) return true;
+    for_each_ring(
+        [&](LatticeRing& ring, const std::function<bool()>& ask) {
+            if (!ring.at_rest) ring.at_rest = load_ring(ring, *ring.loaded_to, ask);
+        },
+        go_on);
+    return std::all_of(rings_.begin(), rings_.end(), at_rest);
+}
+
+std::optional<double> LatticeState::settled_at() const {
+    std::optional<double> least = rings_.front().loaded_to;
+    for (const auto& ring : rings_) {
+        if (!ring.loaded_to || !ring.at_rest) return std::nullopt;
+        least = std::min(least, ring.loaded_to);
+    }
+    return least;
+}
+
+void LatticeState::remix() {
+    for_each_ring(
+        [](LatticeRing& ring, const auto&) {
+            ++ring.remixes;
+            shuffle(ring);
+            ring.loaded_to.reset();
+            ring.at_rest = true;
+            ring.stepped_to = 0.0;
+            ring.avalanches_in_order = ring.avalanches.size();
+        },
+        {});
+}
+
+bool operator==(const LatticeState& a, const LatticeState& b) {
+    const auto known = [](const LatticeRing& r) {
+        return std::tie(r.cells, r.crushes, r.stream, r.remixes, r.passes, r.loaded_to, r.at_rest,
+                        r.stepped_to, r.avalanches, r.avalanches_in_order);
+    };
+    return typeid(a) == typeid(b) && a.material_ == b.material_ && a.options_.seed == b.options_.seed &&
+           a.options_.mean == b.options_.mean &&
+           a.options_.record_avalanches == b.options_.record_avalanches &&
+           std::equal(a.rings_.begin(), a.rings_.end(), b.rings_.begin(), b.rings_.end(),
+                      [&](const LatticeRing& x, const LatticeRing& y) { return known(x) == known(y); });
+}
+
+Lattice::Lattice(Index cells, const Material& material, const Grading& grading, const LatticeOptions& options)
+    : LatticeState(cells, material, grading, options) {}
+
+Lattice::Lattice(VectorView<const double> sizes, const Material& material, const LatticeOptions& options)
+    : LatticeState(sizes, material, options) {}
+
+Lattice::Lattice(std::vector<LatticeRing> rings, const Material& material, const LatticeOptions& options)
+    : LatticeState(std::move(rings), material, options) {}
+
+bool Lattice::load_ring(LatticeRing& ring, double stress_ratio, const std::function<bool()>& go_on) const {
+    return crush_weakest_first(ring, material(), options().mean, stress_ratio, options().record_avalanches,
+                               go_on);
+}
+
+const std::vector<Avalanche>& Lattice::avalanches(Index replica) const {
+    if (!options().record_avalanches)
+        throw ParameterError("avalanches were not recorded; set record_avalanches when the lattice is made");
+    return rings()[checked(replica)].avalanches;
+}
+
+}  // namespace comminute

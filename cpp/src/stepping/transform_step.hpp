@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "simd/lanes.hpp"
+#include "stepping/fft_plan.hpp"
+#include "stepping/line_pairs.hpp"
+#include "zones/zone_runs.hpp"
+
+namespace comminute {
+
+/// One step of Eq. 61 with any kernel by separable linear convolutions in FFTW, O(N^2 log N); see FullConvolution.
+class TransformStep {
+  public:
+    TransformStep(const Kernel& kernel, PlanEffort effort);
+
+    /// @param out  (N, N); may be `p` itself. Entries must be finite
+    StepReport run(MatrixView<const double> p, const Kernel& kernel, ZoneRuns& runs, MatrixView<double> out);
+
+  private:
+    /// Columns in pairs side by side: the rows that may hold mass, and the mass of each column.
+    struct Gathered {
+        Index begin = 0;
+        Index end = 0;
+        std::array<double, lanes> pushed{};
+    };
+
+    void split_row(const Kernel& kernel, Index i, const std::vector<ZoneRun>& runs, double* rest);
+    void push(Line*& line, double* to, double share, const double* mass, const ZoneRun& run);
+    void spread_pair(Index q);
+    void spread_lines();
+    Gathered gather(Index begin);
+    void spread_columns(Index begin, MatrixView<double> out);
+
+    LineSpreader spreader_;
+    bool some_stays_;  // of a crush, in its own bin; never under the paper's rule
+    Index stride_;
+    LaneVector psi_crushing_;     // mass to be spread along psi: a + f *_psibar c
+    std::vector<Index> reach_;    // bins of psi_crushing's rows, from the finest, that may hold mass
+    LinePair lines_;              // of the pair at hand
+    std::size_t line_count_ = 0;  // of them that are taken, while rows are divided
+    StepReport report_;
+};
+
+}  // namespace comminute

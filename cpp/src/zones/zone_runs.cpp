@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "zones/zone_runs.hpp"
+
+#include <algorithm>
+
+namespace comminute {
+
+ZoneRuns::ZoneRuns(const CrushZones& zones) : zones_(zones) {
+    runs_.reserve(static_cast<std::size_t>(zones.grid().bins()));
+    set_load();
+}
+
+void ZoneRuns::set_load() {
+    widest_ = -1;
+    for (Index m = 0; m < zones_.grid().bins(); ++m) widest_ = std::max(widest_, zones_.band(m));
+}
+
+void ZoneRuns::add(Index begin, Index end, Zone zone) {
+    if (begin < end) runs_.push_back({begin, end, zone});
+}
+
+// Towards finer neighbours the row's own shell decides, and either zone is one interval; towards coarser ones each
+// cell's shell does.
+const std::vector<ZoneRun>& ZoneRuns::of_row(Index i) {
+    runs_.clear();
+    const Index both = i - std::max(zones_.overlap(i), Index{0});
+    add(i - std::max(zones_.band(i), Index{0}), both, Zone::grain);
+    add(both, i, Zone::both);
+    if (zones_.band(i) >= 0) add(i, i + 1, zones_.at(i, i));
+    const Index end = std::min(i + widest_ + 1, zones_.grid().bins());
+    for (Index j = i + 1; j < end;) {
+        const Zone zone = zones_.at(i, j);
+        const Index begin = j;
+        while (++j < end && zones_.at(i, j) == zone) {
+        }
+        if (zone != Zone::rest) add(begin, j, zone);
+    }
+    return runs_;
+}
+
+}  // namespace comminute

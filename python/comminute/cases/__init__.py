@@ -1,0 +1,1 @@
+"""Case files: their schema, reading and running."""

@@ -1,0 +1,311 @@
+"""From a case file to cases that can run: reading, sweeps, messages, and the resolved form. Needs pydantic."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import tomllib
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from pydantic import ValidationError
+
+from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, fitting_grid
+from comminute.cases.messages import explained
+from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, Sieves
+from comminute.gradings.reading import SieveData, read_sieves
+from comminute.gradings.sieves import unit_of
+from comminute.gradings.tables import is_file, read_table, shorten
+from comminute.runs.load_path import load_path
+from comminute.runs.recipe import law_of
+from comminute.simulation import Simulation
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+Made = TypeVar("Made")
+SWEPT = ("units", "material", "grading", "grid", "engine")
+LISTS = frozenset({"x", "finer", "size", "percent_finer", "places", "notes"})  # lists by nature, never a sweep
+MOST_RUNS = 1000
+MOST_BINS = 10_000
+MOST_BYTES = 4_000_000
+
+
+@dataclass(frozen=True)
+class ReadyCase:
+    """A case with all its files read and all its values checked: nothing is left that could fail before the run."""
+
+    resolved: Case
+    material: Material
+    grading: Grading
+    grid: LogGrid
+    target: Path
+    varied: dict[str, Any]
+
+    def simulation(self) -> Simulation:
+        """Make the simulation of the case."""
+        engine = self.resolved.engine
+        return Simulation(self.material, self.grading, grid=self.grid, mean=engine.mean, scheme=engine.scheme)
+
+    def loads(self) -> dict[str, list[float]]:
+        """Give the load path as `Simulation.run` takes it."""
+        load = self.resolved.load
+        return {"stress": load.stress} if load.stress is not None else {"stress_ratio": load.stress_ratio}  # type: ignore[dict-item]
+
+    def at(self, target: Path) -> ReadyCase:
+        """Give the same case another result file."""
+        return replace(self, target=target)
+
+    def text(self) -> str:
+        """Write the resolved case as JSON text, from which `case_of_text` makes it again."""
+        return self.resolved.model_dump_json(by_alias=True, exclude_none=True)
+
+
+def read_case(path: Path) -> list[ReadyCase]:
+    """All cases of a case file: one, or one for each combination of a sweep.
+
+    Raises
+    ------
+    ParameterError
+        Naming file, table, key and value, the rule, and the remedy.
+    """
+    if not is_file(path):
+        raise ParameterError(
+            f"{shorten(str(path), 200)} is no file; give a case file (.toml); comminute new DIR makes one"
+        )
+    if path.stat().st_size > MOST_BYTES:
+        raise ParameterError(f"{path.name} has {path.stat().st_size / 1e6:.0f} MB; a case file has a few lines")
+    try:
+        raw = tomllib.loads(path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n"))
+    except UnicodeDecodeError:
+        raise ParameterError(f"{path.name} is not UTF-8 text; save it as such") from None
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise ParameterError(f"{path.name} is no TOML: {shorten(str(error), 120)}") from None
+    except ValueError as error:  # dates and numbers that no calendar or machine has
+        raise ParameterError(f"{path.name} is no TOML: {shorten(str(error), 120)}") from None
+    runs = _sweep(raw, path.name)
+    cases = []
+    for number, (table, varied) in enumerate(runs, 1):
+        case = _validated(table, path.name)
+        target = _target(path, case.output.file, number, len(runs))
+        cases.append(_ready(case, path, target, varied))
+    return cases
+
+
+def case_of_text(text: str, target: Path) -> ReadyCase:
+    """Case of the text that a result file carries."""
+    return _ready(Case.model_validate_json(text), target, target, {})
+
+
+def _sweep(raw: dict[str, Any], name: str) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    """One table for each combination of the list values, with the values that vary."""
+    axes: list[tuple[tuple[str, ...], list[Any]]] = []
+
+    def look(table: dict[str, Any], where: tuple[str, ...]) -> None:
+        for key, value in table.items():
+            if isinstance(value, dict):
+                look(value, (*where, key))
+            elif isinstance(value, list) and key not in LISTS and not any(isinstance(v, dict | list) for v in value):
+                if not value:
+                    raise ParameterError(f"{name} [{'.'.join(where)}] {key} is an empty list; a sweep needs values")
+                axes.append(((*where, key), value))
+
+    for section in SWEPT:
+        if isinstance(raw.get(section), dict):
+            look(raw[section], (section,))
+    if not axes:
+        return [(raw, {})]
+    count = int(np.prod([float(len(values)) for _, values in axes]))
+    if count > MOST_RUNS:
+        raise ParameterError(f"{name}: the lists make {count} runs; a sweep may have {MOST_RUNS}")
+    runs = []
+    for values in itertools.product(*(values for _, values in axes)):
+        table = json.loads(json.dumps(raw, default=str))
+        for (where, _), value in zip(axes, values, strict=True):
+            inner = table
+            for key in where[:-1]:
+                inner = inner[key]
+            inner[where[-1]] = value
+        runs.append((table, {".".join(where): value for (where, _), value in zip(axes, values, strict=True)}))
+    return runs
+
+
+def _target(path: Path, file: str, number: int, runs: int) -> Path:
+    target = path.parent / file
+    if target.suffix != ".nc":
+        raise ParameterError(f"{path.name} [output] file is '{shorten(file)}'; it must end in .nc")
+    try:
+        target.exists()  # a name that no file can have raises here
+        reachable = target.parent.is_dir()
+    except (OSError, ValueError):
+        reachable = False
+    if not reachable:
+        raise ParameterError(f"{path.name} [output] file is '{shorten(file)}'; its folder does not exist")
+    width = len(str(runs))
+    return target if runs == 1 else target.with_name(f"{target.stem}-{number:0{width}}{target.suffix}")
+
+
+def _validated(raw: dict[str, Any], name: str) -> Case:
+    grading = raw.get("grading")
+    if isinstance(grading, dict) and "kind" not in grading:
+        if "file" not in grading:
+            kinds = ", ".join((*MAKERS, "sieves"))
+            raise ParameterError(f'{name} [grading]: give file = "sand.csv" or kind, one of {kinds}')
+        raw = raw | {"grading": {"kind": "file"} | grading}
+    fragments = raw.get("material", {}).get("fragments") if isinstance(raw.get("material"), dict) else None
+    if isinstance(fragments, dict) and "law" not in fragments:
+        raw = raw | {"material": raw["material"] | {"fragments": {"law": "weibull"} | fragments}}
+    try:
+        return Case.model_validate(raw)
+    except ValidationError as error:
+        raise ParameterError(explained(error, raw, name)) from None
+
+
+def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> ReadyCase:
+    """Case with its files read: every check that needs no run."""
+    name = path.name
+    material = _in_table(name, "material", lambda: _material(case))
+    case, grading = _grading(case, path)
+    case = _loads(case, path)
+    load = case.load
+    ratios = _in_table(
+        name,
+        "load",
+        lambda: load_path(material, load.stress_ratio, load.stress, load.loading_rate, load.remix_after),  # type: ignore[arg-type]
+    ).stress_ratio
+    grid = _in_table(name, "grid", lambda: _grid(case, material, grading, float(ratios.max())))
+    _in_table(name, "grid", lambda: grading.on_grid(grid))
+    case = case.model_copy(update={"grid": GridTable(bins=grid.bins, psi_min=grid.psi_min, psi_max=grid.psi_max)})
+    ready = ReadyCase(case, material, grading, grid, target, varied)
+    _in_table(name, "engine", ready.simulation)
+    if not isinstance(case.output.fabrics, str):
+        for k in case.output.fabrics:
+            if not 0 <= k < ratios.size:
+                raise ParameterError(
+                    f"{name} [output] fabrics has {k}; it must hold indices of loads, 0 to {ratios.size - 1}"
+                )
+    return ready
+
+
+def _in_table(name: str, table: str, make: Callable[[], Made]) -> Made:
+    """Make something whose errors say in which table of which file."""
+    try:
+        return make()
+    except (ParameterError, ShapeError) as error:
+        message = str(error).replace("set it on the Material", "set it in [material]")
+        raise ParameterError(f"{name} [{table}]: {message}") from None
+
+
+def _material(case: Case) -> Material:
+    table = case.material.model_dump()
+    return Material(**(table | {"fragments": law_of(table["fragments"])}))
+
+
+def _grading(case: Case, path: Path) -> tuple[Case, Grading]:
+    """Grading of a case, and the case with the sieves of its file written into it."""
+    table, unit = case.grading, case.units.size
+    if isinstance(table, GradingFile):
+        if not unit_of(unit):
+            raise ParameterError(f"{path.name} [units] size is '{unit}'; it must be one of nm, um, mm, cm, m, in")
+        data = read_sieves(path.parent / table.file, unit=unit)
+        table = Sieves(
+            kind="sieves",
+            size=list(data.size),
+            percent_finer=list(data.percent_finer),
+            top=table.top,
+            number=table.number,
+            places=list(data.places),
+            notes=list(data.notes),
+            file=table.file,
+        )
+        data.grading(top=table.top, number=table.number)
+        case = case.model_copy(update={"grading": table})
+    if isinstance(table, Sieves):
+        name = Path(table.file).name if table.file else f"{path.name} [grading]"
+        sieves = SieveData(
+            tuple(table.size), tuple(table.percent_finer), unit, tuple(table.places), tuple(table.notes), name
+        )
+        if len(table.size) != len(table.percent_finer):
+            raise ParameterError(f"{name}: {len(table.size)} sizes and {len(table.percent_finer)} values percent_finer")
+        return case, sieves.grading(top=table.top, number=table.number)
+    fields = table.model_dump(exclude={"kind"}, exclude_none=True)
+    return case, _in_table(path.name, "grading", lambda: MAKERS[table.kind](**fields)).with_unit(unit)
+
+
+def _loads(case: Case, path: Path) -> Case:
+    """Case with its load path written out as numbers."""
+    load = case.load
+    given = [key for key in ("stress", "stress_ratio", "file") if getattr(load, key) is not None]
+    if len(given) != 1:
+        what = " and ".join(given) if given else "none"
+        raise ParameterError(f"{path.name} [load]: {what} given; give one of stress, stress_ratio, file")
+    key = given[0]
+    values = getattr(load, key)
+    if key == "file":
+        key, values = _load_file(path.parent / load.file) if load.file is not None else ("", [])
+    elif isinstance(values, LoadRange):
+        values = _in_range(values, f"{path.name} [load] {key}")
+    elif isinstance(values, float | int):
+        values = [float(values)]
+    update = {"stress": None, "stress_ratio": None, "file": None} | {key: [float(value) for value in values]}
+    return case.model_copy(update={"load": load.model_copy(update=update)})
+
+
+def _in_range(loads: LoadRange, where: str) -> list[float]:
+    bad = next((x for x in (loads.first, loads.last) if not np.isfinite(x) or x < 0.0), None)
+    if bad is not None:
+        raise ParameterError(f"{where}: from or to is {bad:g}; it must be a finite number of at least 0")
+    if loads.spacing == "log":
+        if not (loads.first > 0.0 and loads.last > 0.0):
+            raise ParameterError(f'{where}: from or to is 0; spacing "log" needs both greater than 0')
+        return list(np.geomspace(loads.first, loads.last, loads.steps).tolist())
+    return list(np.linspace(loads.first, loads.last, loads.steps).tolist())
+
+
+def _load_file(path: Path) -> tuple[str, list[float]]:
+    table = read_table(path)
+    columns = {name: index for index, name in table.columns() if name in ("stress", "stress_ratio")}
+    if len(columns) != 1 or len(table.header.cells) != 1:
+        raise ParameterError(f"{table.name} row {table.header.number}: give one column, named stress or stress_ratio")
+    ((name, index),) = columns.items()
+    if not table.rows:
+        raise ParameterError(f"{table.name} has a header but no loads")
+    return name, [table.number(row, index) for row in table.rows]
+
+
+def _grid(case: Case, material: Material, grading: Grading, largest_load: float) -> LogGrid:
+    """Grid of a case; bins and ends that are left out are those that fit."""
+    table = case.grid
+    fitted = fitting_grid(grading, material, largest_load)
+    if table.bins is None and table.psi_min is None and table.psi_max is None:
+        return fitted
+    low = fitted.psi_min if table.psi_min is None else table.psi_min
+    if table.psi_max is not None:
+        bins = table.bins or _bins_for(table.psi_max - low, fitted.spacing)
+        return LogGrid(low, table.psi_max, bins)
+    top = float(np.log(grading.largest))
+    bins = table.bins or _bins_for(top - low, fitted.spacing)
+    if not low < top:
+        return LogGrid(low, top, bins)  # which says what is wrong with it
+    if abs(fitted.psi_max - top) > 0.25 * fitted.spacing:  # a spread grading ends at the last edge
+        spacing = (top - low) / (bins - 0.5)
+        return LogGrid(low, top - 0.5 * spacing, bins)
+    if table.psi_min is None:
+        low = top - (bins - 1) * _between_points(grading, (top - low) / (bins - 1))
+    return LogGrid(low, top, bins)
+
+
+def _bins_for(span: float, spacing: float) -> int:
+    return max(8, min(math.ceil(span / spacing) + 1, MOST_BINS)) if math.isfinite(span) else 8
+
+
+def _between_points(grading: Grading, spacing: float) -> float:
+    """Spacing no finer than wanted that puts the two coarsest point masses on centres."""
+    sizes = np.unique(grading._points(2)[0])
+    if sizes.size < 2:
+        return spacing
+    gap = float(np.log(sizes[-1] / sizes[-2]))
+    return gap / max(1, int(gap / spacing))

@@ -1,0 +1,261 @@
+"""Case files: TOML tables, checked against models whose defaults are the library's own. Needs pydantic."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+import comminute as cm
+from comminute.util.choices import EngineName, Kind, Mean, Scheme
+
+Rest = int | Literal["rest"]
+MATERIAL = cm.Material()
+WEIBULL, POWER, LOGNORMAL = cm.WeibullFragments(), cm.PowerLawFragments(), cm.LogNormalFragments()
+RUN = {name: p.default for name, p in inspect.signature(cm.Simulation.run).parameters.items()}
+SIMULATION = {name: p.default for name, p in inspect.signature(cm.Simulation).parameters.items()}
+
+
+def default_of(maker: Callable[..., Any], name: str) -> float:
+    """Default of a maker's parameter, from the signature that the core gives it."""
+    found = re.search(rf"{name}: [^=,)]* = ([0-9.eE+-]+)", maker.__doc__ or "")
+    if found is None:
+        raise TypeError(f"{maker.__name__} has no default for {name}")
+    return float(found[1])
+
+
+class Table(BaseModel):
+    """A table of a case: unknown keys are errors, and so are values of another type."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, ser_json_inf_nan="constants")
+
+
+class Units(Table):
+    """Units of the case's sizes and stresses; sizes of a sieve table are converted to the former."""
+
+    size: str = "mm"
+    stress: str = "MPa"
+
+
+class Weibull(Table):
+    """Fragments after Eq. 3."""
+
+    law: Literal["weibull"] = "weibull"
+    scale: float = WEIBULL.scale
+    shape: float = WEIBULL.shape
+
+
+class PowerLaw(Table):
+    """Fragments with P[X <= x] = x**exponent."""
+
+    law: Literal["power-law"]
+    exponent: float = POWER.exponent
+
+
+class LogNormal(Table):
+    """Fragments with ln X normal, cut off at X = 1."""
+
+    law: Literal["lognormal"]
+    mean_log: float = LOGNORMAL.mean_log
+    sd_log: float = LOGNORMAL.sd_log
+
+
+class Tabulated(Table):
+    """Measured fragments."""
+
+    law: Literal["tabulated"]
+    x: list[float]
+    finer: list[float]
+
+
+FRAGMENTS = (Weibull, PowerLaw, LogNormal, Tabulated)
+
+
+class MaterialTable(Table):
+    """What the grains are."""
+
+    weibull_modulus: float = MATERIAL.weibull_modulus
+    fabric_width: float = MATERIAL.fabric_width
+    reference_size: float = MATERIAL.reference_size
+    first_crush_stress: float | None = MATERIAL.first_crush_stress
+    fragments: Annotated[Weibull | PowerLaw | LogNormal | Tabulated, Field(discriminator="law")] = Weibull()
+
+
+class GradingFile(Table):
+    """A sieve table."""
+
+    kind: Literal["file"] = "file"
+    file: str
+    top: Literal["error", "extend"] = "error"
+    number: bool = False
+
+
+class Sieves(Table):
+    """Sieves in the case itself; what a sieve table becomes in a resolved case."""
+
+    kind: Literal["sieves"]
+    size: list[float]
+    percent_finer: list[float]
+    top: Literal["error", "extend"] = "error"
+    number: bool = False
+    places: list[str] = []
+    notes: list[str] = []
+    file: str = ""
+
+
+class Monodisperse(Table):
+    """All grains of one size."""
+
+    kind: Literal["monodisperse"]
+    size: float
+
+
+class GapGraded(Table):
+    """Two sizes."""
+
+    kind: Literal["gap-graded"]
+    coarse: float
+    fine: float
+    coarse_share: float = default_of(cm.gap_graded, "coarse_share")
+
+
+class PowerLawGrading(Table):
+    """Power law between two sizes."""
+
+    kind: Literal["power-law"]
+    fractal_dimension: float
+    smallest: float
+    largest: float
+
+
+class Between(Table):
+    """Uniform in size or in its log."""
+
+    kind: Literal["uniform-size", "log-uniform"]
+    smallest: float
+    largest: float
+
+
+class Fuller(Table):
+    """Fuller-Talbot."""
+
+    kind: Literal["fuller"]
+    largest: float
+    exponent: float = default_of(cm.fuller, "exponent")
+
+
+class LogNormalGrading(Table):
+    """Lognormal by mass."""
+
+    kind: Literal["lognormal"]
+    median: float
+    sd_log: float
+    largest: float | None = None
+
+
+class RosinRammler(Table):
+    """Rosin-Rammler."""
+
+    kind: Literal["rosin-rammler"]
+    d63: float
+    exponent: float
+    largest: float | None = None
+
+
+GRADINGS = (
+    GradingFile,
+    Sieves,
+    Monodisperse,
+    GapGraded,
+    PowerLawGrading,
+    Between,
+    Fuller,
+    LogNormalGrading,
+    RosinRammler,
+)
+AnyGrading = (
+    GradingFile
+    | Sieves
+    | Monodisperse
+    | GapGraded
+    | PowerLawGrading
+    | Between
+    | Fuller
+    | LogNormalGrading
+    | RosinRammler
+)
+
+
+class GridTable(Table):
+    """Bins; what is left out is sized from grading, material and largest load."""
+
+    bins: int | None = Field(default=None, le=10_000)
+    psi_min: float | None = None
+    psi_max: float | None = None
+
+
+class LoadRange(Table):
+    """Loads from one to another; `spacing` "log" or "linear"."""
+
+    model_config = ConfigDict(populate_by_name=True)
+    first: float = Field(alias="from")
+    last: float = Field(alias="to")
+    steps: int = Field(ge=1, le=100_000)
+    spacing: Literal["log", "linear"] = "log"
+
+
+Loads = float | list[float] | LoadRange
+
+
+class LoadTable(Table):
+    """The load path: `stress`, `stress_ratio`, or a file with a column of either name."""
+
+    stress: Loads | None = None
+    stress_ratio: Loads | None = None
+    file: str | None = None
+    loading_rate: float | list[float] = RUN["loading_rate"]
+    remix_after: list[int] = list(RUN["remix_after"])
+
+
+class EngineTable(Table):
+    """What computes; see `Simulation` and `Simulation.run`."""
+
+    name: EngineName = RUN["engine"]
+    scheme: Scheme = SIMULATION["scheme"]
+    mean: Mean = SIMULATION["mean"]
+    kind: Kind | None = RUN["kind"]
+    steps_per_load: Rest = RUN["steps_per_load"]
+
+
+class OutputTable(Table):
+    """Result file, beside the case file unless an absolute path; for which loads the fabric is kept."""
+
+    file: str = "run.nc"
+    fabrics: Literal["all", "last"] | list[int] = "last"
+
+
+class Case(Table):
+    """A whole case."""
+
+    units: Units = Units()
+    material: MaterialTable = MaterialTable()
+    grading: Annotated[AnyGrading, Field(discriminator="kind")]
+    grid: GridTable = GridTable()
+    load: LoadTable
+    engine: EngineTable = EngineTable()
+    output: OutputTable = OutputTable()
+
+
+MAKERS: dict[str, Callable[..., cm.Grading]] = {
+    "monodisperse": cm.monodisperse,
+    "gap-graded": cm.gap_graded,
+    "power-law": cm.power_law,
+    "uniform-size": cm.uniform_size,
+    "log-uniform": cm.log_uniform,
+    "fuller": cm.fuller,
+    "lognormal": cm.lognormal,
+    "rosin-rammler": cm.rosin_rammler,
+}

@@ -1,0 +1,276 @@
+"""The command line: cases in, tables and files out. Needs typer and pydantic."""
+
+from __future__ import annotations
+
+import functools
+import json
+import sys
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, NoReturn, ParamSpec
+
+import typer
+
+from comminute._core import ParameterError, ShapeError, UnavailableError, __version__
+from comminute.cases.reading import ReadyCase, read_case
+from comminute.cases.running import (
+    OutputExistsError,
+    claimed,
+    finished_loads,
+    part_of,
+    run_case,
+    run_file_again,
+    summary,
+)
+from comminute.cli import texts as cli_texts
+from comminute.gradings.tables import shorten
+from comminute.result import Result
+from comminute.runs.remarks import ResolutionWarning
+from comminute.simulation import Interrupted
+
+WRONG_INPUT, EXISTS, FAILED, MISSING_EXTRA, STOPPED = 2, 3, 4, 5, 130
+P = ParamSpec("P")
+
+app = typer.Typer(
+    name="comminute",
+    help=cli_texts.HELP,
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+Number = Annotated[bool, typer.Option("--number", help="The shares of the sieve table count grains.")]
+Top = Annotated[str, typer.Option("--top", help='"extend" closes a sieve curve short of 100 %.')]
+Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
+
+
+def _stop(message: str, code: int) -> NoReturn:
+    print(f"error: {message}", file=sys.stderr)
+    raise typer.Exit(code)
+
+
+def plain_errors(command: Callable[P, None]) -> Callable[P, None]:
+    """Turn what a command may raise into one line and an exit code."""
+
+    @functools.wraps(command)
+    def run(*args: P.args, **kwargs: P.kwargs) -> None:
+        try:
+            command(*args, **kwargs)
+        except (ParameterError, ShapeError) as error:
+            _stop(str(error), WRONG_INPUT)
+        except OutputExistsError as error:
+            _stop(str(error), EXISTS)
+        except (ImportError, UnavailableError) as error:
+            _stop(str(error), MISSING_EXTRA)
+        except MemoryError:
+            _stop("the memory does not suffice; take fewer bins or keep fewer fabrics", FAILED)
+        except BrokenPipeError:
+            sys.stderr.close()  # the reader has gone, as `| head` does; nobody is left to tell
+            raise typer.Exit from None
+        except OSError as error:
+            _stop(f"{error.filename or 'a file'}: {error.strerror or error}", FAILED)
+        except KeyboardInterrupt:
+            _stop("interrupted", STOPPED)
+
+    return run
+
+
+@app.callback(invoke_without_command=True)
+def _version(show: Annotated[bool, typer.Option("--version", help="Print the version.")] = False) -> None:
+    if show:
+        print(__version__)
+        raise typer.Exit
+
+
+@app.command()
+@plain_errors
+def new(folder: Annotated[Path, typer.Argument(metavar="DIR")], force: Force = False) -> None:
+    """Make a folder with a commented case and the sieve table of a real sand."""
+    files = {folder / name: text for name, text in cli_texts.new_case().items()}
+    for file in files:
+        _refuse_existing(file, force)
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, text in files.items():
+        file.write_text(text)
+        print(f"wrote {file}")
+    print(f"next: comminute run {folder / 'case.toml'}")
+
+
+@app.command()
+@plain_errors
+def check(case: Annotated[Path, typer.Argument(metavar="CASE.toml")], as_json: Json = False) -> None:
+    """Read a case and its files, and say what would run; nothing is computed or written."""
+    cases = read_case(case)
+    if as_json:
+        print(json.dumps([json.loads(ready.text()) | {"target": str(ready.target)} for ready in cases]))
+        return
+    for ready in cases:
+        print(cli_texts.case_summary(ready))
+
+
+@app.command()
+@plain_errors
+def run(
+    case: Annotated[Path, typer.Argument(metavar="CASE.toml|RESULT.nc")],
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Result file of a single run.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the loads that a stopped run finished.")] = False,
+    as_json: Json = False,
+    force: Force = False,
+) -> None:
+    """Run a case, or run a result file again; print a table and write a result file for each run."""
+    if output is not None:
+        _require_writable(output, (".nc",))
+    if case.suffix == ".nc":
+        _run_again(case, output, as_json=as_json, force=force)
+        return
+    cases = read_case(case)
+    if output is not None:
+        if len(cases) > 1:
+            raise ParameterError(f"--output names one file, and {case.name} makes {len(cases)} runs; leave it out")
+        cases = [cases[0].at(output)]
+    work = [(ready, _begun(ready, resume=resume, force=force)) for ready in cases]
+    done = []
+    for number, (ready, (earlier, complete)) in enumerate(work, 1):
+        if not as_json and len(work) > 1:
+            print(f"run {number} of {len(work)}: " + ", ".join(f"{k} = {v}" for k, v in ready.varied.items()))
+        result = complete or _run_one(ready, earlier, quiet=as_json)
+        if complete and not as_json:
+            print(f"{ready.target} is complete already")
+        done.append(summary(result, ready.target, ready.varied))
+    if as_json:
+        print(json.dumps({"version": __version__, "runs": done}))
+
+
+def _begun(ready: ReadyCase, *, resume: bool, force: bool) -> tuple[Result | None, Result | None]:
+    """Finished loads to go on from, and the result of a run that is complete already."""
+    target, part = ready.target, part_of(ready.target)
+    if resume and target.exists() and not force:
+        over_part = f"--resume --force overwrites it and goes on from {part.name}"
+        complete = finished_loads(ready, target, over_part if part.exists() else "--force overwrites it")
+        part.unlink(missing_ok=True)  # a stop between the last two steps of a run leaves it
+        return None, complete
+    if resume:
+        return finished_loads(ready, part, "--force without --resume throws it away and starts anew"), None
+    if force:
+        return None, None
+    if target.exists():
+        raise OutputExistsError(f"{target} exists; --force overwrites it, --output names another file")
+    if part.exists():
+        raise OutputExistsError(
+            f"{part} has the finished loads of a stopped run; --resume goes on, --force starts anew"
+        )
+    return None, None
+
+
+def _run_one(ready: ReadyCase, earlier: Result | None, *, quiet: bool) -> Result:
+    """Run one case, its table growing as loads finish."""
+    table = cli_texts.LoadTableText(ready, quiet=quiet)
+    if earlier is not None and not quiet:
+        print(f"going on after {earlier.stress_ratio.size} finished loads")
+        table.rows_of(earlier)
+    with claimed(ready.target), warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResolutionWarning)  # printed below the table
+        try:
+            result = run_case(ready, earlier=earlier, on_load=table.add)
+        except Interrupted as stopped:
+            table.close()
+            kept = 0 if stopped.result is None else stopped.result.stress_ratio.size
+            where = f"; they are in {part_of(ready.target)}, and --resume goes on" if kept else ""
+            _stop(f"interrupted after {kept} finished loads{where}", STOPPED)
+    table.close()
+    if not quiet:
+        cli_texts.print_remarks(result)
+        print(f"wrote {ready.target}")
+    return result
+
+
+def _run_again(file: Path, output: Path | None, *, as_json: bool, force: bool) -> None:
+    target = output or file.with_name(f"{file.stem}-again.nc")
+    _refuse_existing(target, force)
+    with claimed(target), warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResolutionWarning)
+        result, same = run_file_again(file, target)
+    if as_json:
+        print(json.dumps({"version": __version__, "identical": same, "runs": [summary(result, target, {})]}))
+    else:
+        print(cli_texts.result_table(result))
+        print(
+            f"wrote {target}: "
+            + ("every array equals that of " if same else "arrays differ from those of ")
+            + file.name
+        )
+    if not same:
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+@plain_errors
+def stats(
+    file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
+    number: Number = False,
+    top: Top = "error",
+    extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Follow the tail below the finest size.")] = False,
+    as_json: Json = False,
+) -> None:
+    """Compute the indices of a sieve table, or of every load of a result."""
+    from comminute.cli import stats as cli_stats  # noqa: PLC0415  (keeps the other commands quick)
+
+    found = cli_stats.stats_of(file, number=number, top=top, extrapolate=extrapolate)
+    print(json.dumps(found) if as_json else cli_stats.as_text(found))
+
+
+@app.command()
+@plain_errors
+def plot(
+    file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Picture: .png, .pdf or .svg.")] = None,
+    what: Annotated[str, typer.Option("--what", help="gradings, fabric or index.")] = "gradings",
+    axes: Annotated[str, typer.Option("--axes", help="semilog, loglog or rosin-rammler.")] = "semilog",
+    coarse_left: Annotated[bool, typer.Option("--coarse-left", help="Sizes fall rightwards.")] = False,
+    phi: Annotated[bool, typer.Option("--phi", help="Sizes on the phi scale.")] = False,
+    load: Annotated[int, typer.Option("--load", help="Index of the load whose fabric is drawn.")] = -1,
+    number: Number = False,
+    top: Top = "error",
+    force: Force = False,
+) -> None:
+    """Draw a sieve table or a result to a picture file; no window opens."""
+    try:
+        from comminute.cli import plots as cli_plots  # noqa: PLC0415  (matplotlib is optional)
+    except ImportError as error:
+        message = "plot needs matplotlib; install it with: pip install 'comminute[plot]'"
+        raise ImportError(message) from error
+    target = output or file.with_suffix(".png")
+    _require_writable(target, cli_plots.ENDINGS)
+    _refuse_existing(target, force)
+    curves = {"axes": axes, "coarse_left": coarse_left, "phi": phi}
+    cli_plots.draw(file, target, what=what, load=load, table={"number": number, "top": top}, **curves)
+    print(f"wrote {target}")
+
+
+@app.command()
+@plain_errors
+def cite() -> None:
+    """Print what to cite."""
+    print(cli_texts.citation())
+
+
+@app.command()
+@plain_errors
+def doctor(as_json: Json = False) -> None:
+    """Print versions and what this installation can do."""
+    found = cli_texts.installation()
+    print(json.dumps(found) if as_json else "\n".join(f"{name:12} {value}" for name, value in found.items()))
+
+
+def _require_writable(output: Path, endings: Sequence[str]) -> None:
+    if output.suffix not in endings:
+        raise ParameterError(f"--output is '{output}'; it must end in {', '.join(endings)}")
+    if not output.parent.is_dir():
+        raise ParameterError(f"--output is '{output}'; its folder does not exist")
+
+
+def _refuse_existing(file: Path, force: bool) -> None:
+    if file.exists() and not force:
+        raise OutputExistsError(f"{shorten(str(file), 200)} exists; --force overwrites it")

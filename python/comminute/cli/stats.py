@@ -1,0 +1,118 @@
+"""Indices of a file's gradings, as records and as text."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from comminute._core import Grading, ParameterError
+from comminute.files.storage import open_result
+from comminute.gradings.breakage import breakage_index, breakage_potential, relative_breakage
+from comminute.gradings.curves import SizeCurve
+from comminute.gradings.indices import curvature, fines_share, folk_ward, phi, uniformity
+from comminute.gradings.sieves import convert, unit_of
+from comminute.runs.remarks import load_labels
+
+BELOW = " lies below the finest size of the curve, "
+SILT = 0.063  # mm, ISO 14688
+
+
+def stats_of(file: Path, *, number: bool = False, top: str = "error", extrapolate: bool = False) -> dict[str, Any]:
+    """Compute the indices of a sieve table, or of the start and every load of a result file.
+
+    Returns
+    -------
+    dict
+        `unit`, `notes`, and `gradings`: one record each, in which None stands for what cannot be said, with the
+        reason under `because`; `of` says which in the words of the record's `quantity`.
+    """
+    if file.suffix == ".nc":
+        result = open_result(file)
+        start = result.start_curve
+        quantity, names = load_labels(result)
+        rows = [{"of": "start"} | indices_of(start, extrapolate=extrapolate)]
+        for k, name in enumerate(names):
+            curve = result.curve(k)
+            loads = {"stress_ratio": float(result.stress_ratio[k])}
+            loads |= {} if result.stress is None else {"stress": float(result.stress[k])}
+            found = indices_of(curve, extrapolate=extrapolate) | _breakage(start, curve)
+            rows.append({"of": name} | loads | found)
+        unit, notes = result.unit, result.notes
+    else:
+        grading = read_sieve_table(file, number=number, top=top)
+        rows = [{"of": file.name} | indices_of(SizeCurve.of(grading), extrapolate=extrapolate)]
+        quantity, unit, notes = "", grading.unit, grading.notes
+    return {"file": str(file), "unit": unit, "quantity": quantity, "notes": list(notes), "gradings": rows}
+
+
+def read_sieve_table(file: Path, *, number: bool, top: str) -> Grading:
+    """Read a sieve table; errors name the options of the command line."""
+    try:
+        return Grading.read(file, number=number, top=top)  # type: ignore[arg-type]
+    except ParameterError as error:
+        raise ParameterError(str(error).replace('pass top = "extend"', "pass --top extend")) from None
+
+
+def indices_of(curve: SizeCurve, *, extrapolate: bool = False) -> dict[str, Any]:
+    """Every index of one curve; `extrapolate` follows its tail below the finest size."""
+    found: dict[str, Any] = {"because": {}}
+
+    def add(name: str, make: Callable[[], float]) -> None:
+        try:
+            found[name] = make()
+        except ParameterError as error:
+            found[name] = None
+            found["because"][name] = str(error)
+
+    for percent in (5, 10, 16, 30, 50, 60, 80, 84, 95):
+        add(f"D{percent}", lambda percent=percent: curve.percentile(percent, extrapolate=extrapolate))  # type: ignore[misc]
+    add("phi50", lambda: float(phi(curve.percentile(50, extrapolate=extrapolate), curve.unit)))
+    add("Cu", lambda: uniformity(curve, extrapolate=extrapolate))
+    add("Cc", lambda: curvature(curve, extrapolate=extrapolate))
+    for name in ("mean", "sorting", "skewness", "kurtosis"):
+        add(f"Folk-Ward {name}", lambda name=name: getattr(folk_ward(curve, extrapolate=extrapolate), name))  # type: ignore[misc]
+    add("Hardin Bp", lambda: breakage_potential(curve))
+    if unit_of(curve.unit):
+        add("finer than 0.063 mm", lambda: fines_share(curve, convert(SILT, "mm", curve.unit)))
+    return found
+
+
+def _breakage(start: SizeCurve, curve: SizeCurve) -> dict[str, Any]:
+    found: dict[str, Any] = {"Hardin Br": None, "Einav B": None}
+    try:
+        breakage = breakage_index(start, curve)
+        found["Einav B"] = breakage.index
+        found["Einav d_m"], found["Einav d_M"] = breakage.smallest, breakage.largest
+        found["Hardin Br"] = relative_breakage(start, curve)
+    except ParameterError:
+        pass  # the start says why, under `because`
+    return found
+
+
+def as_text(found: dict[str, Any]) -> str:
+    """Write a line per index, a column per grading."""
+    rows = found["gradings"]
+    names = [name for name in rows[-1] if name not in ("of", "stress", "stress_ratio", "because")]
+    unit = f", sizes in {found['unit']}" if found["unit"] else ""
+    width = max(11, *(len(row["of"]) + 2 for row in rows))
+    lines = [found["file"] + unit, f"{found['quantity']:20}" + "".join(f"{row['of']:>{width}}" for row in rows)]
+    for name in names:
+        cells = ["-" if row.get(name) is None else f"{row[name]:.4g}" for row in rows]
+        lines.append(f"{name:20}" + "".join(f"{cell:>{width}}" for cell in cells))
+    lines += [f"note: {note}" for note in found["notes"]]
+    return "\n".join(lines + [f"-: {reason}" for reason in _reasons(rows)])
+
+
+def _reasons(rows: list[dict[str, Any]]) -> list[str]:
+    """Why something could not be said, each once; percentiles below the finest size in one line."""
+    found = {reason for row in rows for reason in row["because"].values()}
+    below = [reason for reason in found if BELOW in reason]
+    if not below:
+        return sorted(found)
+    sizes = sorted({reason.split(BELOW)[0] for reason in below}, key=lambda name: float(name[1:]))
+    _, rest = min(below).split(BELOW)
+    finest = rest.split(";")[0] if len(rows) == 1 else rest.split(", which")[0]
+    verb = BELOW if len(sizes) == 1 else BELOW.replace("lies", "lie")
+    line = f"{', '.join(sizes)}{verb}{finest}; --extrapolate follows the tail"
+    return [line, *sorted(found - set(below))]

@@ -1,0 +1,162 @@
+"""What the command line prints, and the files of a new case."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import platform
+import sys
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+
+from comminute._core import FullConvolution, LogGrid, Material, __version__, has_fftw
+from comminute.cases.running import load_rows
+
+if TYPE_CHECKING:
+    from comminute.cases.reading import ReadyCase
+    from comminute.result import Result
+
+HELP = """Confined comminution with grainsize fabric: from a sieve curve and a stress to the crushed grading.
+
+Exit codes: 0 done, 2 wrong input, 3 a file exists (nothing is overwritten), 4 failed, 5 an extra is missing,
+130 interrupted (finished loads are kept)."""
+
+EXTRAS = ("numpy", "typer", "pydantic", "xarray", "h5netcdf", "h5py", "matplotlib", "tqdm", "pandas", "openpyxl")
+WIDTHS = {"stress": 11, "stress_ratio": 14, "d10": 10, "d50": 10, "d60": 10, "fines": 11, "crushes": 10}
+
+
+def new_case() -> dict[str, str]:
+    """Files of a new case: name to text."""
+    folder = resources.files("comminute.cases") / "templates"
+    return {name: (folder / name).read_text() for name in ("case.toml", "sand.csv")}
+
+
+def case_summary(ready: ReadyCase) -> str:
+    """Say what a case would do, in a few lines."""
+    case, grading, grid = ready.resolved, ready.grading, ready.grid
+    unit = f" {grading.unit}" if grading.unit else ""
+    d50 = grading.percentile(50, extrapolate=True)
+    (kind, loads), *_ = ready.loads().items()
+    in_unit = f" {case.units.stress}" if kind == "stress" else ""
+    varied = "".join(f"\n  {key} = {value}" for key, value in ready.varied.items())
+    lines = [
+        f"{ready.target.name}: {len(loads)} loads, {kind} {min(loads):g} to {max(loads):g}{in_unit}{varied}",
+        f"  grading: largest {grading.largest:.4g}{unit}, D50 {d50:.4g}{unit}",
+        f"  grid: {grid.bins} bins, {grid.edge_sizes[1]:.3g} to {grid.edge_sizes[-1]:.4g}{unit}, "
+        f"{grid.bins**2 * 8 / 1e6:.1f} MB a fabric",
+        f"  engine: {case.engine.name}, scheme {case.engine.scheme}",
+        *(f"  note: {note}" for note in grading.notes),
+    ]
+    return "\n".join(lines)
+
+
+class LoadTableText:
+    """A table that grows by a line with every finished load, and a bar on a terminal."""
+
+    def __init__(self, ready: ReadyCase, *, quiet: bool) -> None:
+        self._quiet = quiet
+        self._units = (ready.resolved.units.stress, ready.grading.unit)
+        self._shown = 0
+        self._bar: Any = None
+        total = len(next(iter(ready.loads().values())))
+        if not quiet and sys.stderr.isatty():
+            try:
+                from tqdm.auto import tqdm  # noqa: PLC0415  (optional)
+
+                self._bar = tqdm(total=total, unit="load", leave=False)
+            except ImportError:
+                pass
+
+    def rows_of(self, result: Result) -> None:
+        """Print the loads that are not printed yet."""
+        rows = load_rows(result)
+        if not self._shown:
+            self._print(_header(rows[0], *self._units))
+        for row in rows[self._shown :]:
+            self._print(_line(row))
+        self._shown = len(rows)
+
+    def add(self, result: Result) -> None:
+        """Print the load that has just finished."""
+        if self._quiet:
+            return
+        self.rows_of(result)
+        if self._bar is not None:
+            self._bar.update(self._shown - self._bar.n)
+
+    def close(self) -> None:
+        """Take the bar away."""
+        if self._bar is not None:
+            self._bar.close()
+
+    def _print(self, line: str) -> None:
+        if self._bar is not None:
+            self._bar.write(line)
+        else:
+            print(line, flush=True)
+
+
+def _header(row: dict[str, Any], stress_unit: str, size_unit: str) -> str:
+    units = {"stress": stress_unit, "d10": size_unit, "d50": size_unit, "d60": size_unit}
+    names = {name: f"{name} {units[name]}" if units.get(name) else name.replace("_", " ") for name in WIDTHS}
+    return "".join(f"{names[name]:>{width}}" for name, width in WIDTHS.items() if name in row)
+
+
+def _line(row: dict[str, Any]) -> str:
+    cells = {name: "in fines" if row[name] is None else f"{row[name]:.4g}" for name in WIDTHS if name in row}
+    return "".join(f"{cells[name]:>{WIDTHS[name]}}" for name in cells)
+
+
+def result_table(result: Result) -> str:
+    """Whole table of a result."""
+    rows = load_rows(result)
+    stress_unit = result.recipe.stress_unit if result.recipe else ""
+    return "\n".join([_header(rows[0], stress_unit, result.unit), *(_line(row) for row in rows)])
+
+
+def print_remarks(result: Result) -> None:
+    """Print notes and warnings of a result, below its table."""
+    for note in result.notes:
+        print(f"note: {note}")
+    for warning in result.warnings:
+        print(f"warning: {warning}")
+
+
+def citation() -> str:
+    """Give the references of the model and of this software, in words and as BibTeX."""
+    return f"""The model:
+  E. Huang, B. Marks, I. Einav, Continuum homogenisation of stochastic comminution with grainsize fabric,
+  Journal of the Mechanics and Physics of Solids 138 (2020) 103897, https://doi.org/10.1016/j.jmps.2020.103897
+The software:
+  comminute {__version__}
+
+@article{{huang2020continuum,
+  author  = {{Huang, Eric and Marks, Benjy and Einav, Itai}},
+  title   = {{Continuum homogenisation of stochastic comminution with grainsize fabric}},
+  journal = {{Journal of the Mechanics and Physics of Solids}},
+  volume  = {{138}},
+  pages   = {{103897}},
+  year    = {{2020}},
+  doi     = {{10.1016/j.jmps.2020.103897}}
+}}
+@software{{comminute,
+  author  = {{{{The comminute developers}}}},
+  title   = {{comminute}},
+  version = {{{__version__}}}
+}}"""
+
+
+def installation() -> dict[str, str]:
+    """Versions and abilities, by name."""
+    found = {"comminute": __version__, "python": platform.python_version(), "machine": platform.machine()}
+    found["fftw"] = "no: full convolution for fragments with an exponential sum only"
+    if has_fftw:
+        FullConvolution(LogGrid(-2.0, 0.0, 16), Material(), path="transforms")  # a broken FFTW shows here
+        found["fftw"] = "yes: every engine"
+    found["threads"] = f"{os.cpu_count()} here; a run takes one"
+    for name in EXTRAS:
+        try:
+            found[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found

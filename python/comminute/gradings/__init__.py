@@ -1,0 +1,1 @@
+"""Sieve tables, grading curves and their indices."""

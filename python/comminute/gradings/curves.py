@@ -1,0 +1,293 @@
+"""A grading curve as points: what every index is computed from, whether measured, ideal or crushed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from comminute._core import Grading, LogGrid, ParameterError, PointMass, _curve_on_grid, _first_at_least
+from comminute.gradings.sieves import convert, sieve_sizes, unit_of
+from comminute.util.equality import same_values
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+Floats = npt.NDArray[np.float64]
+ENDS_AT_ONE = 1e-6
+ROUNDING = 1e-12  # a curve is a sum: its plateaus and its 1 are good to this
+
+
+class SieveTable(NamedTuple):
+    """A grading on sieves, coarse to fine; its first three are what `Grading.from_sieves` takes.
+
+    Attributes
+    ----------
+    size : ndarray (M,)
+        Openings.
+    percent_finer : ndarray (M,)
+        Per cent of the mass that passes each.
+    unit : str
+        Of the openings.
+    percent_retained : ndarray (M,)
+        Per cent of the mass that stays on each.
+    pan : float
+        Per cent of the mass that passes all.
+    """
+
+    size: Floats
+    percent_finer: Floats
+    unit: str
+    percent_retained: Floats
+    pan: float
+
+    def __eq__(self, other: object) -> bool:
+        """Equal in every number."""
+        return same_values(self, other) if isinstance(other, SieveTable) else NotImplemented
+
+    def __ne__(self, other: object) -> bool:
+        """Different in a number; a tuple's own comparison cannot ask arrays."""
+        return not self == other
+
+    def __hash__(self) -> int:
+        """Refused, as that of any array."""
+        raise TypeError("a SieveTable holds arrays; it has no hash")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SizeCurve:
+    """Points of a grading curve F(d), linear in ln d between them.
+
+    Attributes
+    ----------
+    size : ndarray (M,)
+        Sizes > 0, never falling; two equal sizes are a jump (a point mass).
+    finer : ndarray (M,)
+        Mass fraction finer than each, never falling, the last 1.
+    unit : str
+        Of the sizes; empty where they are relative.
+    tail_slope : float
+        Below the finest point F = finer[0] (d / size[0])**tail_slope, where finer[0] > 0.
+
+    Examples
+    --------
+    >>> import comminute as cm
+    >>> curve = cm.SizeCurve.of(cm.Grading.from_sieves([2, 1, 0.5], [100, 60, 0]))
+    >>> curve.size, curve.finer
+    (array([0.5, 1. , 2. ]), array([0. , 0.6, 1. ]))
+    """
+
+    size: Floats
+    finer: Floats
+    unit: str = ""
+    tail_slope: float = 0.0
+
+    @classmethod
+    def of(cls, grading: Grading | SizeCurve) -> SizeCurve:
+        """Curve of a grading: its sieves or point masses as they are, a law at 20001 sizes.
+
+        Raises
+        ------
+        TypeError
+            For anything else; of a result take `Result.curve`.
+        """
+        if isinstance(grading, SizeCurve):
+            return grading
+        if not isinstance(grading, Grading):
+            kind = type(grading).__name__
+            raise TypeError(f"a {kind} is no grading; give a Grading or a SizeCurve (result.curve(k) makes one)")
+        size, finer, tail_slope = grading._points()
+        return cls(size, finer, grading.unit, tail_slope)
+
+    @classmethod
+    def on_grid(cls, grid: LogGrid, cdf: Floats, unit: str = "", points: Sequence[PointMass] = ()) -> SizeCurve:
+        """Curve of a cdf at the upper edges of a grid's bins.
+
+        The share in the fines bin continues as a power law through the two finest edges.
+
+        Parameters
+        ----------
+        grid : LogGrid
+        cdf : ndarray (N,)
+            Fraction finer than the upper edge of each bin.
+        unit : str
+            Of the sizes.
+        points : sequence of PointMass
+            Exact sizes that are part of `cdf`, fine to coarse: the curve jumps there, inside their bins.
+
+        Returns
+        -------
+        SizeCurve
+
+        Raises
+        ------
+        ParameterError
+            For a cdf that falls or does not end at 1.
+        """
+        falls = np.diff(cdf) < -ROUNDING
+        if np.any(falls):
+            k = int(np.argmax(falls))
+            raise ParameterError(f"cdf[{k + 1}] is {cdf[k + 1]:g}, less than {cdf[k]:g} before it; a cdf cannot fall")
+        if not abs(cdf[-1] - 1.0) <= ENDS_AT_ONE:
+            raise ParameterError(f"the last cdf is {cdf[-1]:g}; it must be 1")
+        size, finer, tail_slope = _curve_on_grid(grid, np.ascontiguousarray(cdf), points)
+        return cls(size, np.append(finer[:-1], 1.0), unit, tail_slope)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal in every point."""
+        if not isinstance(other, SizeCurve):
+            return NotImplemented
+        return same_values(vars(self).values(), vars(other).values())
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        return f"<SizeCurve: {self.size.size} points, {self.size[0]:.4g} to {self.size[-1]:.4g}{unit}>"
+
+    def in_unit(self, unit: str) -> SizeCurve:
+        """Give the same curve with sizes in another unit.
+
+        Raises
+        ------
+        ParameterError
+            For sizes without a unit, or one that is not known.
+
+        Examples
+        --------
+        >>> import comminute as cm
+        >>> cm.SizeCurve.of(cm.Grading.from_sieves([2, 1], [100, 0])).in_unit("um").size
+        array([1000., 2000.])
+        """
+        sizes = np.array([convert(float(size), self.unit, unit) for size in self.size])
+        return SizeCurve(sizes, self.finer, unit_of(unit), self.tail_slope)
+
+    def finer_than(self, size: float | Sequence[float] | Floats) -> Floats:
+        """Mass fraction of grains no larger than `size`, as an array of its shape."""
+        at = np.asarray(size, dtype=np.float64)
+        if np.any(~(at > 0.0)):
+            raise ParameterError(f"size is {at[~(at > 0.0)].flat[0]:g}; it must be greater than 0")
+        above = np.searchsorted(self.size, at, side="right")
+        left, right = np.clip(above - 1, 0, None), np.clip(above, None, self.size.size - 1)
+        span = np.log(self.size[right] / self.size[left])
+        share = np.divide(np.log(at / self.size[left]), span, out=np.zeros_like(at), where=span > 0.0)
+        inside = self.finer[left] + share * (self.finer[right] - self.finer[left])
+        tail = self.finer[0] * np.minimum(at / self.size[0], 1.0) ** self.tail_slope if self.tail_slope > 0.0 else 0.0
+        return np.where(above == 0, tail, np.where(above == self.size.size, 1.0, inside))
+
+    def percentile(self, percent: float, *, extrapolate: bool = False) -> float:
+        """Size D_x such that `percent` of the mass is finer: inf{d : F(d) >= percent / 100}.
+
+        On a plateau this is its lower end.
+
+        Parameters
+        ----------
+        percent : float
+            In [0, 100].
+        extrapolate : bool
+            Go on below the finest point, along the tail.
+
+        Returns
+        -------
+        float
+            In `unit`.
+
+        Raises
+        ------
+        ParameterError
+            If D_x lies below the finest point.
+
+        Examples
+        --------
+        >>> import comminute as cm
+        >>> cm.SizeCurve.of(cm.Grading.from_sieves([4, 1], [100, 0])).percentile(50)
+        2.0
+        """
+        if not 0.0 <= percent <= 100.0:
+            raise ParameterError(f"percent is {percent:g}; it must be between 0 and 100")
+        share = percent / 100.0
+        if share >= self.finer[0] - ROUNDING or (extrapolate and share > 0.0 and self.tail_slope > 0.0):
+            return _first_at_least(self.size, self.finer, self.tail_slope, share)
+        unit = f" {self.unit}" if self.unit else ""
+        raise ParameterError(
+            f"D{percent:g} lies below the finest size of the curve, {self.size[0]:.4g}{unit}, which "
+            f"{100 * self.finer[0]:.4g} % are finer than; pass extrapolate = True to follow the tail"
+        )
+
+    def to_sieves(self, sieves: str | Sequence[float] | Floats) -> SieveTable:
+        """Per cent finer and retained on sieves, coarse to fine; see `Grading.to_sieves`."""
+        return on_sieves(self, sieves)
+
+    def number_finer(self, smallest: float | None = None) -> SizeCurve:
+        """Count the same grains: fraction of their number finer than each size.
+
+        Mass is even in ln d between points, and a grain's mass goes with its size cubed, so that
+        N(> s) is proportional to the integral of s**-3 dF.
+
+        Parameters
+        ----------
+        smallest : float, optional
+            Grains below it are left out. Needed where the tail has no end: their number is infinite.
+
+        Raises
+        ------
+        ParameterError
+            For a tail without an end and no `smallest`.
+
+        Examples
+        --------
+        >>> import comminute as cm
+        >>> cm.SizeCurve.of(cm.gap_graded(1.0, 0.1)).number_finer().finer.round(4)
+        array([0.   , 0.999, 0.999, 1.   ])
+        """
+        size, finer = self.size, self.finer
+        if smallest is not None:
+            keep = size > smallest
+            finer = np.append(self.finer_than(smallest), finer[keep])
+            size = np.append(smallest, size[keep])
+        elif finer[0] > 0.0:
+            raise ParameterError(
+                f"{100 * finer[0]:.4g} % of the mass is finer than {size[0]:.4g}, without an end, and so is the number "
+                "of grains; pass smallest = the size from which to count"
+            )
+        relative = size / size[-1]
+        counts = np.diff(finer) * mean_power(relative, -3.0)
+        number = np.append(0.0, np.cumsum(counts))
+        if number.size < 2 or not number[-1] > 0.0:
+            raise ParameterError(f"smallest is {smallest:g}; it must be below the largest size, {size[-1]:g}")
+        return SizeCurve(size, number / number[-1], self.unit)
+
+
+def mean_power(size: Floats, power: float) -> Floats:
+    """Mean of size**power over each interval of a curve, where mass is even in ln(size)."""
+    low, high = size[:-1], size[1:]
+    span = np.log(high / low)
+    exact = np.divide(high**power - low**power, power * span, out=low**power, where=span > 1e-8)
+    return np.asarray(exact)
+
+
+def on_sieves(curve: Grading | SizeCurve, sieves: str | Sequence[float] | Floats) -> SieveTable:
+    """Per cent finer and retained on sieves, coarse to fine; see `Grading.to_sieves`."""
+    named = isinstance(sieves, str)
+    openings = sieve_sizes(sieves, curve.unit) if isinstance(sieves, str) else np.asarray(sieves, dtype=np.float64)
+    openings = np.sort(openings)[::-1]
+    if openings.ndim != 1 or openings.size == 0 or np.any(np.diff(openings) == 0.0):
+        raise ParameterError(f"sieves has shape {openings.shape}; it must be a list of different openings")
+    largest = curve.largest if isinstance(curve, Grading) else float(curve.size[-1])
+    unit = f" {curve.unit}" if curve.unit else ""
+    if openings[0] < largest * (1.0 - ROUNDING):
+        raise ParameterError(
+            f"the largest grain, {largest:.6g}{unit}, stays on the coarsest sieve, {openings[0]:.6g}{unit}; "
+            + ("take a series that reaches it, or a list of openings" if named else "add a sieve that it passes")
+        )
+    finer = 100.0 * np.asarray(curve.finer(openings) if isinstance(curve, Grading) else curve.finer_than(openings))
+    finer[openings >= largest * (1.0 - ROUNDING)] = 100.0
+    # of a whole series only the part that says something: one sieve that all pass, one that nothing passes
+    first = int(np.flatnonzero(finer == 100.0)[-1]) if named else 0
+    nothing = np.flatnonzero(finer == 0.0)
+    last = int(nothing[0]) + 1 if named and nothing.size else openings.size
+    openings, finer = openings[first:last], finer[first:last]
+    retained = np.append(100.0 - finer[0], finer[:-1] - finer[1:])
+    return SieveTable(openings, finer, curve.unit, retained, float(finer[-1]))

@@ -1,0 +1,201 @@
+"""Sieve series by name, sieves by their designation, and units of length."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from comminute._core import ParameterError
+from comminute.gradings.tables import shorten
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+IN_MM = {"nm": 1e-6, "um": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4}
+PER_MM = {"nm": 1e6, "um": 1e3}  # dividing by these rounds once: 300 um is 0.3 mm, not 0.30000000000000004
+SPELLINGS = {"µm": "um", "μm": "um", "micron": "um", "microns": "um", "inch": "in", '"': "in"}
+
+# ISO 565, ISO 3310-1: openings in mm.
+_R20_3 = [125, 90, 63, 45, 31.5, 22.4, 16, 11.2, 8, 5.6, 4, 2.8, 2, 1.4, 1]
+_R20_3 += [0.71, 0.5, 0.355, 0.25, 0.18, 0.125, 0.09, 0.063, 0.045]
+_R40_3 = [125, 106, 90, 75, 63, 53, 45, 37.5, 31.5, 26.5, 22.4, 19, 16, 13.2, 11.2, 9.5, 8, 6.7, 5.6, 4.75, 4]
+_R40_3 += [3.35, 2.8, 2.36, 2, 1.7, 1.4, 1.18, 1, 0.85, 0.71, 0.6, 0.5, 0.425, 0.355, 0.3, 0.25, 0.212, 0.18]
+_R40_3 += [0.15, 0.125, 0.106, 0.09, 0.075, 0.063, 0.053, 0.045, 0.038]
+
+# ASTM E11: alternative designation (inches as written on the sieve, then numbers) to opening in mm.
+ASTM_INCHES: dict[str, float] = {
+    "5": 125,
+    "4.24": 106,
+    "4": 100,
+    "3-1/2": 90,
+    "3": 75,
+    "2-1/2": 63,
+    "2.12": 53,
+    "2": 50,
+    "1-3/4": 45,
+}
+ASTM_INCHES |= {"1-1/2": 37.5, "1-1/4": 31.5, "1.06": 26.5, "1": 25, "7/8": 22.4, "3/4": 19, "5/8": 16, "0.530": 13.2}
+ASTM_INCHES |= {"1/2": 12.5, "7/16": 11.2, "3/8": 9.5, "5/16": 8, "0.265": 6.7, "1/4": 6.3}
+ASTM_NUMBERS: dict[float, float] = {
+    3.5: 5.6,
+    4: 4.75,
+    5: 4,
+    6: 3.35,
+    7: 2.8,
+    8: 2.36,
+    10: 2,
+    12: 1.7,
+    14: 1.4,
+    16: 1.18,
+    18: 1,
+}
+ASTM_NUMBERS |= {20: 0.85, 25: 0.71, 30: 0.6, 35: 0.5, 40: 0.425, 45: 0.355, 50: 0.3, 60: 0.25, 70: 0.212, 80: 0.18}
+ASTM_NUMBERS |= {100: 0.15, 120: 0.125, 140: 0.106, 170: 0.09, 200: 0.075, 230: 0.063, 270: 0.053, 325: 0.045}
+ASTM_NUMBERS |= {400: 0.038, 450: 0.032, 500: 0.025, 635: 0.02}
+
+SIEVE_SERIES = {
+    "ISO R20/3": tuple(float(size) for size in _R20_3),
+    "ISO R40/3": tuple(float(size) for size in _R40_3),
+    "ASTM E11": tuple(float(size) for size in (*ASTM_INCHES.values(), *ASTM_NUMBERS.values())),
+}
+
+
+def unit_of(text: str) -> str:
+    """Name under which a unit of length is known, "um" for "µm"; empty for one that is not."""
+    word = text.strip()
+    word = SPELLINGS.get(word, word)
+    return word if word in IN_MM else SPELLINGS.get(word.lower(), "")
+
+
+def convert(value: float, unit: str, to: str) -> float:
+    """Take a length to another unit, rounded as few times as may be.
+
+    Parameters
+    ----------
+    value : float
+    unit, to : str
+        Of "nm", "um", "mm", "cm", "m", "in".
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ParameterError
+        For a unit that is not known; sizes without a unit cannot be converted.
+
+    Examples
+    --------
+    >>> from comminute.gradings.sieves import convert
+    >>> convert(300.0, "um", "mm"), convert(0.5, "in", "mm")
+    (0.3, 12.7)
+    """
+    for name in (unit, to):
+        if not unit_of(name):
+            raise ParameterError(f"unit is '{name}'; it must be one of {', '.join(IN_MM)} to be converted")
+    unit, to = unit_of(unit), unit_of(to)
+    if unit == to:
+        return value
+    in_mm = value / PER_MM[unit] if unit in PER_MM else value * IN_MM[unit]
+    return in_mm * PER_MM[to] if to in PER_MM else in_mm / IN_MM[to]
+
+
+def millimetres(unit: str, wanted_for: str) -> float:
+    """Millimetres in a unit; `wanted_for` says in an error what needs it."""
+    if not unit_of(unit):
+        raise ParameterError(
+            f"unit is '{unit}'; {wanted_for} needs sizes in a known unit ({', '.join(IN_MM)}): "
+            'name it, with_unit("mm") for an ideal grading'
+        )
+    return convert(1.0, unit, "mm")
+
+
+def sieve_sizes(series: str, unit: str = "mm") -> npt.NDArray[np.float64]:
+    """List the openings of a sieve series, coarse to fine.
+
+    Parameters
+    ----------
+    series : {"ISO R20/3", "ISO R40/3", "ASTM E11"}
+        Capitals, blanks and dashes do not matter.
+    unit : str
+
+    Returns
+    -------
+    ndarray
+
+    Raises
+    ------
+    ParameterError
+        For a series or unit it does not know.
+
+    Notes
+    -----
+    ISO 565 and ISO 3310-1 (principal sizes R20/3 and R40/3), ASTM E11.
+
+    Examples
+    --------
+    >>> import comminute as cm
+    >>> cm.sieve_sizes("ISO R20/3")[-3:]
+    array([0.09 , 0.063, 0.045])
+    """
+    plain = {_plain(name): name for name in SIEVE_SERIES} | {"r20/3": "ISO R20/3", "r40/3": "ISO R40/3"}
+    plain |= {"iso565r20/3": "ISO R20/3", "iso565r40/3": "ISO R40/3", "astm": "ASTM E11", "e11": "ASTM E11"}
+    if _plain(series) not in plain:
+        known = ", ".join(f"'{name}'" for name in SIEVE_SERIES)
+        raise ParameterError(f"series is '{series}'; it must be one of {known}")
+    return np.array([convert(size, "mm", unit) for size in SIEVE_SERIES[plain[_plain(series)]]])
+
+
+def _plain(series: str) -> str:
+    return re.sub(r"[\s_-]", "", series.lower())
+
+
+def sieve_size(name: str) -> float:
+    """Find the opening in mm of one sieve by its designation.
+
+    Parameters
+    ----------
+    name : str
+        An ASTM E11 number ("200", "No. 200", "#200"), inches ('3/8 in', '1-1/2"'), or an opening with
+        its unit as ISO 565 writes it ("355 µm", "1.4 mm").
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ParameterError
+        For a designation that no series has; the message names the nearest.
+
+    Examples
+    --------
+    >>> import comminute as cm
+    >>> cm.sieve_size("No. 200"), cm.sieve_size("3/8 in"), cm.sieve_size("355 µm")
+    (0.075, 9.5, 0.355)
+    """
+    text = re.sub(r"^((astm|iso|no\.?|nr\.?|#|mesh)\s*)+", "", name.strip().lower())
+    text = text.removesuffix("mesh").strip()
+    measured = re.fullmatch(r"([0-9]+(?:[.,][0-9]+)?)\s*(µm|μm|um|mm|cm|m)", text)
+    if measured:
+        return convert(float(measured[1].replace(",", ".")), measured[2], "mm")
+    inches = re.fullmatch(r"([0-9][0-9 ./-]*?)\s*(?:in\.?|inch|\")", text)
+    if inches:
+        key = re.sub(r"\s+", "-", inches[1])
+        if key in ASTM_INCHES:
+            return float(ASTM_INCHES[key])
+        known = [f"{inch} in" for inch in ASTM_INCHES]
+    else:
+        key = text.replace("½", ".5").replace("3-1/2", "3.5").replace("3 1/2", "3.5")
+        if re.fullmatch(r"[0-9]+(\.[0-9]+)?", key) and float(key) in ASTM_NUMBERS:
+            return float(ASTM_NUMBERS[float(key)])
+        known = [f"No. {number:g}" for number in ASTM_NUMBERS]
+        text = f"No. {key}"
+        if key.isdecimal():
+            known = [f"No. {min(ASTM_NUMBERS, key=lambda number: abs(number - int(key[:9]))):g}"]
+    near = difflib.get_close_matches(text, known, n=1, cutoff=0.0)
+    raise ParameterError(f"sieve is '{shorten(name)}'; ASTM E11 has no such sieve. Did you mean {near[0]}?")

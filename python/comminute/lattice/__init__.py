@@ -1,0 +1,1 @@
+"""The stochastic lattice and its results."""

@@ -1,0 +1,1 @@
+"""Load paths, the engines that take them, and what a run is made of."""

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <doctest/doctest.h>
+
+#include <optional>
+#include <thread>
+
+#include "support/helpers.hpp"
+
+using comminute::Batch;
+using comminute::BatchOptions;
+using comminute::BatchSolver;
+using comminute::LogGrid;
+using comminute::MatrixView;
+using comminute::ParameterError;
+using comminute::QuasiStatic;
+using comminute::Scheme;
+using comminute::ShapeError;
+using comminute::SolveReport;
+using comminute::StackView;
+using comminute::VectorView;
+using helpers::at;
+using helpers::Index;
+using helpers::material;
+using helpers::not_a_number;
+
+namespace {
+
+constexpr Index bins = 24;
+constexpr Index size = bins * bins;
+constexpr Index count = 70;  // some blocks, the last of them not full
+const LogGrid grid(-3.0, 0.2, bins);
+
+/// Material points of a host: states at rest under some load, or never loaded, and the next load of each.
+struct Points {
+    std::vector<double> states = std::vector<double>(at(count * size));
+    std::vector<double> load = std::vector<double>(at(count));
+    std::vector<double> settled_at = std::vector<double>(at(count));
+
+    explicit Points(unsigned seed) {
+        std::mt19937_64 random(seed);
+        std::uniform_real_distribution<double> share(0.0, 1.0);
+        for (Index b = 0; b < count; ++b) {
+            const helpers::State state = helpers::random_state(bins, random, 1.0, 0.4);
+            std::copy(state.mass.begin(), state.mass.end(), states.begin() + b * size);
+            load[at(b)] = b % 9 == 0 ? 0.0 : std::pow(500.0, share(random));
+            settled_at[at(b)] = b % 4 == 0 ? 0.0 : std::pow(100.0, share(random));
+        }
+    }
+    StackView<double> view() { return {states.data(), count, bins}; }
+    Batch batch() { return {view(), load, settled_at}; }
+};
+
+bool same(const SolveReport& a, const SolveReport& b) {
+    return a.path == b.path && a.terms == b.terms && a.head == b.head && a.fit_error == b.fit_error &&
+           a.crushed == b.crushed && a.crushed_neighbour == b.crushed_neighbour;
+}
+
+BatchOptions threads(Index n) {
+    BatchOptions options;
+    options.threads = n;
+    return options;
+}
+
+}  // namespace
+
+TEST_CASE("a batch gives the bits of one solve after another, on any number of threads") {
+    for (const Scheme scheme : {Scheme::conservative, Scheme::paper}) {
+        for (const double rate : {0.0, 0.3}) {
+            CAPTURE(rate);
+            Points points(11);
+            const QuasiStatic like(grid, material(0.3), scheme, rate);
+            std::vector<double> expected(points.states.size());
+            std::vector<double> gradings(at(count * bins));
+            std::vector<SolveReport> said(at(count));
+            for (Index b = 0; b < count; ++b) {
+                QuasiStatic fresh(grid, material(0.3), scheme, rate);
+                said[at(b)] = fresh.solve(points.view()[b], points.load[at(b)], points.settled_at[at(b)],
+                                          StackView<double>(expected.data(), count, bins)[b]);
+                fresh.marginal(points.view()[b], points.load[at(b)], points.settled_at[at(b)],
+                               {gradings.data() + b * bins, bins});
+            }
+            BatchSolver solver(like);
+            for (const Index n : {1, 2, 5, 1}) {
+                CAPTURE(n);
+                std::vector<double> out(points.states.size(), -1.0);
+                std::vector<double> grainsize(gradings.size(), -1.0);
+                std::vector<SolveReport> reports(at(count));
+                CHECK(solver.solve(points.batch(), {out.data(), count, bins}, reports, threads(n)));
+                CHECK(out == expected);
+                for (Index b = 0; b < count; ++b) CHECK(same(reports[at(b)], said[at(b)]));
+                CHECK(solver.marginal(points.batch(), {grainsize.data(), count, bins}, {nullptr, 0},
+                                      threads(n)));
+                CHECK(grainsize == gradings);
+            }
+            CHECK(solver.solve(points.batch(), points.view(), {nullptr, 0}, threads(3)));  // in place
+            CHECK(points.states == expected);
+        }
+    }
+}
+
+TEST_CASE("states that lie apart in a host's memory are solved where they are") {
+    Points points(12);
+    const Index stride = size + 7;
+    std::vector<double> spread(at(count * stride), 3.0);
+    const StackView<double> apart(spread.data(), count, bins, stride);
+    for (Index b = 0; b < count; ++b) {
+        std::copy_n(points.view()[b].data(), size, apart[b].data());
+    }
+    BatchSolver solver(QuasiStatic(grid, material(0.3)));
+    solver.solve({apart, points.load, points.settled_at}, apart);
+    solver.solve(points.batch(), points.view());
+    for (Index b = 0; b < count; ++b) {
+        CHECK(std::equal(apart[b].data(), apart[b].data() + size, points.view()[b].data()));
+        for (Index q = size; q < stride; ++q) CHECK(apart[b].data()[q] == 3.0);
+    }
+}
+
+TEST_CASE("stepping a batch through loads equals one batch at the last, to rounding") {
+    Points points(13);
+    std::vector<double> never(at(count), 0.0);
+    std::vector<double> at_once(points.states.size());
+    BatchSolver solver(QuasiStatic(grid, material(0.3)));
+    const std::vector<double> last(at(count), 300.0);
+    solver.solve({points.view(), last, {nullptr, 0}}, {at_once.data(), count, bins});
+    std::vector<double> settled = never;
+    for (const double load : {3.0, 20.0, 90.0, 300.0}) {
+        const std::vector<double> loads(at(count), load);
+        solver.solve({points.view(), loads, settled}, points.view());
+        settled = loads;
+    }
+    CHECK(helpers::largest_difference(points.states, at_once) < 1e-15);
+}
+
+TEST_CASE("the first bad input is refused by its index before anything is written") {
+    BatchSolver solver(QuasiStatic(grid, material(0.3)));
+    for (const Index n : {1, 4}) {
+        Points points(14);
+        points.load[40] = points.load[50] = not_a_number;
+        points.load[60] = -1.0;
+        const std::vector<double> untouched = points.states;
+        CHECK_THROWS_WITH_AS(solver.solve(points.batch(), points.view(), {nullptr, 0}, threads(n)),
+                             "stress_ratio[40] is nan; it must be a number of at least 0 (0 is no load)",
+                             ParameterError);
+        points.load[40] = points.load[50] = points.load[60] = 400.0;
+        points.settled_at[41] = -2.0;
+        CHECK_THROWS_WITH_AS(solver.solve(points.batch(), points.view(), {nullptr, 0}, threads(n)),
+                             "settled_at[41] is -2; it must be a number of at least 0 (0 is no load)",
+                             ParameterError);
+        points.settled_at[41] = 0.0;
+        CHECK(points.states == untouched);
+
+        points.view()[60](20, 19) = points.view()[50](21, 20) = helpers::infinity;
+        const std::vector<double> bad = points.states;
+        CHECK_THROWS_WITH_AS(solver.solve(points.batch(), points.view(), {nullptr, 0}, threads(n)),
+                             "states[50, 21, 20] is inf; every entry inside the crush zone must be finite",
+                             ParameterError);
+        std::vector<double> grainsize(at(count * bins), 5.0);
+        CHECK_THROWS_AS(solver.marginal(points.batch(), {grainsize.data(), count, bins}), ParameterError);
+        CHECK(points.states == bad);
+        CHECK(grainsize == std::vector<double>(grainsize.size(), 5.0));
+
+        points.load[50] = points.load[60] = 0.0;  // outside their zones they do no harm
+        CHECK(solver.solve(points.batch(), points.view(), {nullptr, 0}, threads(n)));
+        CHECK(points.view()[50](21, 20) == helpers::infinity);
+    }
+}
+
+TEST_CASE("masses whose sum overflows are refused with the index of their state") {
+    Points points(15);
+    for (Index i = 0; i < bins; ++i) points.view()[33](i, i) = 1e308;
+    points.load[33] = 400.0;
+    points.settled_at[33] = 0.0;
+    BatchSolver solver(QuasiStatic(grid, material(0.3)));
+    std::vector<double> out(points.states.size());
+    CHECK_THROWS_WITH_AS(
+        solver.solve(points.batch(), {out.data(), count, bins}),
+        "states[33]: the state's masses add up to more than a number can hold; scale it to a "
+        "total of 1",
+        ParameterError);
+}
+
+TEST_CASE("sizes of a batch that do not fit are refused") {
+    Points points(16);
+    BatchSolver solver(QuasiStatic(grid, material(0.3)));
+    const std::vector<double> untouched = points.states;
+    const std::vector<double> few(at(count - 1), 2.0);
+    std::vector<double> grainsize(at(count * bins));
+    std::vector<SolveReport> reports(3);
+    const Batch good = points.batch();
+    CHECK_THROWS_WITH_AS(solver.solve({points.view(), few, {nullptr, 0}}, points.view()),
+                         "stress_ratio has 69 entries; there are 70 states", ShapeError);
+    CHECK_THROWS_WITH_AS(solver.solve({points.view(), points.load, few}, points.view()),
+                         "settled_at has 69 entries; there are 70 states", ShapeError);
+    CHECK_THROWS_WITH_AS(solver.solve(good, points.view(), reports),
+                         "reports has 3 entries; there are 70 states", ShapeError);
+    CHECK_THROWS_WITH_AS(solver.solve(good, {points.states.data(), count - 1, bins}),
+                         "out holds 69 states of shape (24, 24); it must hold 70 of shape (24, 24)",
+                         ShapeError);
+    CHECK_THROWS_AS(solver.solve(good, {points.states.data(), count, bins, size - 1}), ShapeError);
+    CHECK_THROWS_AS(solver.solve({{points.states.data(), count, 12}, points.load, few}, points.view()),
+                    ShapeError);
+    std::vector<double> larger(at((count + 1) * size));
+    const StackView<double> shifted(larger.data() + size, count, bins);
+    CHECK_THROWS_AS(solver.solve({{larger.data(), count, bins}, points.load, points.settled_at}, shifted),
+                    ShapeError);
+    CHECK_THROWS_AS(solver.marginal(good, {grainsize.data(), count, bins - 1, bins}), ShapeError);
+    CHECK_THROWS_AS(solver.marginal(good, {points.states.data() + 5, count, bins}), ShapeError);
+    CHECK_THROWS_WITH_AS(solver.solve(good, points.view(), {nullptr, 0}, threads(0)),
+                         "threads is 0; it must be at least 1", ParameterError);
+    CHECK(points.states == untouched);
+}
+
+TEST_CASE("a batch of none is solved") {
+    BatchSolver solver(QuasiStatic(grid, material(0.3)));
+    const StackView<double> none(nullptr, 0, bins);
+    const VectorView<const double> no_loads(nullptr, 0);
+    CHECK(solver.solve({none, no_loads, no_loads}, none, {nullptr, 0}, threads(2)));
+    CHECK(solver.marginal({none, no_loads, no_loads}, {nullptr, 0, bins}));
+}
+
+TEST_CASE("a batch stops when it is told to, and what its hook throws comes out in the caller's thread") {
+    Points points(17);
+    BatchSolver solver(QuasiStatic(grid, material(0.3)));
+    const auto caller = std::this_thread::get_id();
+    int asked = 0;
+    BatchOptions options;
+    options.go_on = [&] {
+        CHECK((std::this_thread::get_id() == caller));
+        return ++asked < 7;  // the first five blocks are only looked at
+    };
+    std::vector<double> out(points.states.size(), -1.0);
+    CHECK(!solver.solve(points.batch(), {out.data(), count, bins}, {nullptr, 0}, options));
+    const auto written = std::count_if(out.begin(), out.end(), [](double mass) { return mass != -1.0; });
+    CHECK(written == 16 * size);  // one block
+    options.go_on = []() -> bool { throw std::runtime_error("enough"); };
+    CHECK_THROWS_WITH_AS(solver.solve(points.batch(), {out.data(), count, bins}, {nullptr, 0}, options),
+                         "enough", std::runtime_error);
+}
+
+TEST_CASE("a copied solver goes its own way") {
+    Points points(18);
+    QuasiStatic first(grid, material(0.3));
+    const Index q = 7;
+    std::vector<double> expected(at(size));
+    std::vector<double> found(at(size));
+    first.solve(points.view()[q], 50.0, std::nullopt, {expected.data(), bins, bins});
+    QuasiStatic copy(first);
+    first.solve(points.view()[q], 3.0, std::nullopt, {found.data(), bins, bins});
+    copy.solve(points.view()[q], 50.0, std::nullopt, {found.data(), bins, bins});
+    CHECK(found == expected);
+    QuasiStatic gone(std::move(first));
+    first = copy;
+    first.solve(points.view()[q], 50.0, std::nullopt, {found.data(), bins, bins});
+    CHECK(found == expected);
+}
