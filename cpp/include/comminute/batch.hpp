@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "comminute/export.hpp"
 #include "comminute/quasi_static.hpp"
 
 namespace comminute {
@@ -66,7 +67,7 @@ struct BatchOptions {
 /// CHECK(reports[1].crushed > reports[0].crushed);
 /// CHECK(reports[0].crushed > 0.0);
 /// @endcode
-class BatchSolver {
+class COMMINUTE_API BatchSolver {
   public:
     /// @param solver  copied for every thread
     explicit BatchSolver(QuasiStatic solver);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "comminute/export.hpp"
 #include "comminute/grid.hpp"
 #include "comminute/material.hpp"
 
@@ -18,17 +19,17 @@ namespace comminute {
 /// CHECK(comminute::critical_stress_ratio(m, 1.0, 1.0) == doctest::Approx(1.0));
 /// CHECK(comminute::critical_stress_ratio(m, 1.0, 0.9) > 9.0);   // cushioned by smaller neighbours
 /// @endcode
-double critical_stress_ratio(const Material& material, double size, double neighbour_size);
+COMMINUTE_API double critical_stress_ratio(const Material& material, double size, double neighbour_size);
 
 /// Log-space stress function g(psi, psibar) = (psi - psibar)^2 - k psi (Eq. 15). Needs a finite fabric width.
-double stress_function(const Material& material, double psi, double psibar);
+COMMINUTE_API double stress_function(const Material& material, double psi, double psibar);
 
 /// Log-space load g* = 2 n^2 ln(sigma* / s_max^(3/w)) (Eq. 15); -inf for no load. Needs a finite fabric
 /// width.
-double logspace_load(const Material& material, double stress_ratio);
+COMMINUTE_API double logspace_load(const Material& material, double stress_ratio);
 
 /// The inverse of logspace_load.
-double stress_ratio_at(const Material& material, double logspace_load);
+COMMINUTE_API double stress_ratio_at(const Material& material, double logspace_load);
 
 /// Which of the two grains of a cell (psi, psibar) the load crushes (Eqs. 52-55).
 enum class Zone : std::uint8_t {
@@ -52,7 +53,7 @@ enum class Zone : std::uint8_t {
 /// CHECK(zones.at(300, 300) == comminute::Zone::both);   // psi = 0 among equals, at the closed edge
 /// CHECK(zones.at(299, 299) == comminute::Zone::rest);
 /// @endcode
-class CrushZones {
+class COMMINUTE_API CrushZones {
   public:
     CrushZones(const LogGrid& grid, const Material& material, double stress_ratio);
 
@@ -110,8 +111,8 @@ class CrushZones {
 ///
 /// @param share  (N, N), values in [0, 1], symmetric; cell (0, 0) is 0
 /// @throws ParameterError, ShapeError as CrushZones
-void active_share(const LogGrid& grid, const Material& material, double stress_ratio,
-                  MatrixView<double> share);
+COMMINUTE_API void active_share(const LogGrid& grid, const Material& material, double stress_ratio,
+                                MatrixView<double> share);
 
 /// The same for one cell of shell m at |i - j| = distance.
 ///
@@ -122,7 +123,7 @@ void active_share(const LogGrid& grid, const Material& material, double stress_r
 /// CHECK(share > 0.0);
 /// CHECK(share < 1.0);
 /// @endcode
-double active_share(const LogGrid& grid, const Material& material, double stress_ratio, Index m,
-                    Index distance);
+COMMINUTE_API double active_share(const LogGrid& grid, const Material& material, double stress_ratio, Index m,
+                                  Index distance);
 
 }  // namespace comminute

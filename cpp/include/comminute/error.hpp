@@ -4,30 +4,32 @@
 #include <stdexcept>
 #include <string>
 
+#include "comminute/export.hpp"
+
 namespace comminute {
 
 /// A parameter outside its range. The message gives its name, its value and the rule.
-class ParameterError : public std::invalid_argument {
+class COMMINUTE_API ParameterError : public std::invalid_argument {
   public:
     using std::invalid_argument::invalid_argument;
 };
 
 /// An array whose shape, layout or overlap does not fit. The message gives both shapes.
-class ShapeError : public std::invalid_argument {
+class COMMINUTE_API ShapeError : public std::invalid_argument {
   public:
     using std::invalid_argument::invalid_argument;
 };
 
 /// A part of the library that this build leaves out. The message says how to get it.
-class UnavailableError : public std::runtime_error {
+class COMMINUTE_API UnavailableError : public std::runtime_error {
   public:
     using std::runtime_error::runtime_error;
 };
 
 /// Shortest decimal text that reads back as the same number.
-std::string text(double value);
+COMMINUTE_API std::string text(double value);
 /// Six significant digits: for numbers that were computed, and would show their rounding.
-std::string rounded(double value);
+COMMINUTE_API std::string rounded(double value);
 
 /// Throws ParameterError "<parameter> is <value>; it must be <rule>" unless `ok`.
 ///
@@ -36,6 +38,6 @@ std::string rounded(double value);
 /// CHECK_THROWS_WITH_AS(comminute::require(false, "bins", 4, "at least 8"),
 ///                      "bins is 4; it must be at least 8", comminute::ParameterError);
 /// @endcode
-void require(bool ok, const char* parameter, double value, const char* rule);
+COMMINUTE_API void require(bool ok, const char* parameter, double value, const char* rule);
 
 }  // namespace comminute

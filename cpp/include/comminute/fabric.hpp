@@ -5,9 +5,14 @@
 #include <optional>
 #include <vector>
 
+#include "comminute/export.hpp"
 #include "comminute/grid.hpp"
 
 namespace comminute {
+
+namespace detail {
+class FabricAccess;
+}
 
 /// How the two neighbours of a grain make its neighbourhood grainsize.
 enum class Mean {
@@ -71,7 +76,7 @@ struct CarriedMarginals {
 /// CHECK(fabric.grainsize()[3] == doctest::Approx(1.0 / 16.0));
 /// CHECK(fabric.cdf().back() == doctest::Approx(1.0));
 /// @endcode
-class Fabric {
+class COMMINUTE_API Fabric {
   public:
     /// @param probability  (N*N) row after row, [psi, psibar], entries >= 0
     /// @param atoms        exact masses on top of it, inside the grid and above its fines bin
@@ -112,7 +117,7 @@ class Fabric {
     friend bool operator==(const Fabric& a, const Fabric& b);
 
   private:
-    friend class FabricAccess;
+    friend class detail::FabricAccess;
     struct Data {
         LogGrid grid;
         std::vector<double> probability;
@@ -144,7 +149,8 @@ class Fabric {
 /// equal[9] = 1.0;
 /// CHECK(comminute::neighbourhood_pmf(grid, equal, comminute::Mean::arithmetic) == equal);
 /// @endcode
-std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const double> grainsize, Mean mean);
+COMMINUTE_API std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const double> grainsize,
+                                                    Mean mean);
 
 /// Complete mixing (Eq. 64): neighbours independent of the grain. Never loaded.
 ///
@@ -152,10 +158,10 @@ std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const doub
 /// @param grainsize  (N) mass by bin, entries >= 0
 /// @param points     exact sizes on top of it, inside the grid; those in its fines bin join it
 /// @throws ShapeError; ParameterError for a bad entry, a size above the grid, or a total other than 1 (to 1e-9)
-Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mean = Mean::arithmetic,
-                    std::vector<PointMass> points = {});
+COMMINUTE_API Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize,
+                                  Mean mean = Mean::arithmetic, std::vector<PointMass> points = {});
 
 /// The same grains, mixed anew; forgets the load, since grains meet new neighbours. Exact sizes stay exact.
-Fabric remix(const Fabric& fabric);
+COMMINUTE_API Fabric remix(const Fabric& fabric);
 
 }  // namespace comminute

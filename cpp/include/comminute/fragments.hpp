@@ -4,6 +4,7 @@
 #include <variant>
 #include <vector>
 
+#include "comminute/export.hpp"
 #include "comminute/view.hpp"
 
 namespace comminute {
@@ -17,7 +18,7 @@ namespace comminute {
 /// CHECK(law.pdf(0.0) == doctest::Approx(std::exp(-1.0) / (1.0 - std::exp(-1.0))));
 /// CHECK(law.cdf(0.0) == 1.0);
 /// @endcode
-struct WeibullFragments {
+struct COMMINUTE_API WeibullFragments {
     double scale = 1.0;  ///< lambda > 0
     double shape = 1.0;  ///< kappa > 0
 
@@ -36,7 +37,7 @@ struct WeibullFragments {
 /// @code{.cpp}
 /// CHECK(comminute::PowerLawFragments{}.cdf(std::log(0.25)) == doctest::Approx(0.25));
 /// @endcode
-struct PowerLawFragments {
+struct COMMINUTE_API PowerLawFragments {
     double exponent = 1.0;  ///< > 0
 
     double pdf(double r) const;
@@ -54,7 +55,7 @@ struct PowerLawFragments {
 /// comminute::LogNormalFragments law{-1.0, 0.5};
 /// CHECK(law.cdf(-1.0) == doctest::Approx(0.5 / (0.5 * std::erfc(-2.0 / std::sqrt(2.0)))));
 /// @endcode
-struct LogNormalFragments {
+struct COMMINUTE_API LogNormalFragments {
     double mean_log = -1.0;  ///< mean of ln X before the cut, finite, at most 30 sd_log
     double sd_log = 1.0;     ///< its standard deviation, > 0
 
@@ -75,7 +76,7 @@ struct LogNormalFragments {
 /// CHECK(law.cdf(std::log(0.5)) == doctest::Approx(0.4));
 /// CHECK(law.pdf(std::log(0.6)) == doctest::Approx(0.6 / std::log(2.0)));
 /// @endcode
-struct TabulatedFragments {
+struct COMMINUTE_API TabulatedFragments {
     std::vector<double> x;      ///< two or more, rising, in (0, 1], the last 1
     std::vector<double> finer;  ///< P[X <= x], in [0, 1], never falling, the last 1
 
@@ -117,7 +118,7 @@ struct FragmentPmf {
 /// CHECK(f.mass[1] == doctest::Approx(0.5));   // uniform X: half of the fragments within one halving
 /// CHECK(f.below[2] == doctest::Approx(0.5));
 /// @endcode
-FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins, FragmentRule rule);
+COMMINUTE_API FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins, FragmentRule rule);
 
 /// The tail of a fragment pmf as a sum of exponentials: f_m = sum_a coefficient[a] exp(-decay[a] (m - head)) for m > head
 /// >= 0.
@@ -143,7 +144,7 @@ struct ExponentialSum {
 /// CHECK(sum.coefficient.size() <= 14);
 /// CHECK(sum.error < 2e-14);
 /// @endcode
-ExponentialSum exponential_sum(const FragmentLaw& law, double spacing, const FragmentPmf& pmf,
-                               FragmentRule rule);
+COMMINUTE_API ExponentialSum exponential_sum(const FragmentLaw& law, double spacing, const FragmentPmf& pmf,
+                                             FragmentRule rule);
 
 }  // namespace comminute

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "comminute/export.hpp"
 #include "comminute/kernel.hpp"
 
 namespace comminute {
@@ -45,7 +46,7 @@ enum class StepPath {
 /// CHECK(report.crushed == 1.0);
 /// CHECK(p[54 * 64 + 54] < 1e-30);
 /// @endcode
-class FullConvolution {
+class COMMINUTE_API FullConvolution {
   public:
     explicit FullConvolution(Kernel kernel, StepPath path = StepPath::automatic,
                              PlanEffort effort = PlanEffort::estimate);
@@ -72,6 +73,6 @@ class FullConvolution {
 };
 
 /// Whether this build has FFTW, and so FullConvolution for any law.
-bool has_fftw();
+COMMINUTE_API bool has_fftw();
 
 }  // namespace comminute

@@ -6,13 +6,14 @@
 #include <variant>
 #include <vector>
 
+#include "comminute/export.hpp"
 #include "comminute/fabric.hpp"
 #include "comminute/material.hpp"
 
 namespace comminute {
 
 /// A few exact sizes: monodisperse or gap-graded packings.
-struct PointMasses {
+struct COMMINUTE_API PointMasses {
     std::vector<double> size;   ///< > 0, ascending
     std::vector<double> share;  ///< of the mass, each > 0, sum 1
 
@@ -26,7 +27,7 @@ struct PointMasses {
 
 /// Power law N(> s) ~ s^-alpha between two sizes, by mass
 /// F = (s^(3-alpha) - s_m^(3-alpha)) / (s_M^(3-alpha) - s_m^(3-alpha)); alpha = 3 is uniform in ln s, 2 uniform in s.
-struct PowerLawGrading {
+struct COMMINUTE_API PowerLawGrading {
     double fractal_dimension;
     double smallest;  ///< 0 is allowed for alpha < 3
     double largest;
@@ -41,7 +42,7 @@ struct PowerLawGrading {
 };
 
 /// Lognormal by mass, cut off at `largest` and rescaled.
-struct LogNormalGrading {
+struct COMMINUTE_API LogNormalGrading {
     double median;
     double sd_log;
     double largest;
@@ -55,7 +56,7 @@ struct LogNormalGrading {
 };
 
 /// Rosin-Rammler F = 1 - exp[-(d / d63)^exponent], cut off at `largest` and rescaled.
-struct RosinRammlerGrading {
+struct COMMINUTE_API RosinRammlerGrading {
     double d63;
     double exponent;
     double largest;
@@ -69,7 +70,7 @@ struct RosinRammlerGrading {
 };
 
 /// Measured points, linear in ln d between sieves; below the finest a power law F = F_1 (d / d_1)^tail_slope.
-struct SieveCurve {
+struct COMMINUTE_API SieveCurve {
     std::vector<double> size;        ///< > 0, ascending
     std::vector<double> finer_than;  ///< fractions, never falling, last 1
     double tail_slope = 0.0;         ///< > 0 where finer_than[0] > 0
@@ -83,7 +84,7 @@ struct SieveCurve {
 };
 
 /// Points of F, never falling in either number; equal sizes are a jump.
-struct CurvePoints {
+struct COMMINUTE_API CurvePoints {
     std::vector<double> size;
     std::vector<double> finer_than;  ///< fractions, the last 1
     double tail_slope = 0.0;         ///< below the finest: F = F_1 (d / d_1)^tail_slope, where F_1 > 0
@@ -97,8 +98,8 @@ struct CurvePoints {
 /// @param cdf     (N) fraction finer than the upper edge of each bin, points among them
 /// @param points  exact sizes, fine to coarse: the curve jumps there, inside their bins
 /// @throws ShapeError, and ParameterError for a cdf that falls (by more than 1e-12) or is not finite
-CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
-                          const std::vector<PointMass>& points = {});
+COMMINUTE_API CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
+                                        const std::vector<PointMass>& points = {});
 
 /// How the numbers of a sieve table are meant.
 struct SieveOptions {
@@ -114,7 +115,7 @@ using GradingLaw =
     std::variant<PointMasses, PowerLawGrading, LogNormalGrading, RosinRammlerGrading, SieveCurve>;
 
 /// How much of the mass is finer than each size, at the start. Make one with the functions below.
-struct Grading {
+struct COMMINUTE_API Grading {
     GradingLaw law;
     std::string unit;                ///< of the sizes, as text ("mm"); empty where sizes are relative
     std::vector<std::string> notes;  ///< what was assumed in making it, in plain words
@@ -152,29 +153,30 @@ struct Grading {
 /// CHECK(sand.percentile(50.0) == 1.0);
 /// @endcode
 ///@{
-Grading monodisperse(double size);
+COMMINUTE_API Grading monodisperse(double size);
 /// @param coarse_share  of the mass, in [0, 1]
-Grading gap_graded(double coarse, double fine, double coarse_share = 0.5);
+COMMINUTE_API Grading gap_graded(double coarse, double fine, double coarse_share = 0.5);
 /// @param fractal_dimension  alpha; 0 < smallest < largest, or smallest = 0 for alpha < 3
-Grading power_law(double fractal_dimension, double smallest, double largest);
+COMMINUTE_API Grading power_law(double fractal_dimension, double smallest, double largest);
 /// Uniform in s by mass, the power law with alpha = 2.
-Grading uniform_size(double smallest, double largest);
+COMMINUTE_API Grading uniform_size(double smallest, double largest);
 /// Uniform in ln s by mass, the power law with alpha = 3.
-Grading log_uniform(double smallest, double largest);
+COMMINUTE_API Grading log_uniform(double smallest, double largest);
 /// Fuller-Talbot F = (d / largest)^exponent, the power law with alpha = 3 - exponent from 0.
-Grading fuller(double largest, double exponent = 0.5);
+COMMINUTE_API Grading fuller(double largest, double exponent = 0.5);
 /// @param median   of the uncut law, by mass
 /// @param sd_log   standard deviation of ln s
 /// @param largest  where the law is cut off; none: 4 standard deviations above the median (a note says so)
-Grading lognormal(double median, double sd_log, std::optional<double> largest = std::nullopt);
+COMMINUTE_API Grading lognormal(double median, double sd_log, std::optional<double> largest = std::nullopt);
 /// @param d63      size that 1 - 1/e of the uncut law is finer than
 /// @param largest  where the law is cut off; none: where 0.01 % would be coarser (a note says so)
-Grading rosin_rammler(double d63, double exponent, std::optional<double> largest = std::nullopt);
+COMMINUTE_API Grading rosin_rammler(double d63, double exponent,
+                                    std::optional<double> largest = std::nullopt);
 /// @param size           two or more sieve openings in any order, all different
 /// @param percent_finer  one a sieve, 0 to 100, never falling with size, 100 at the coarsest; a curve that ends at
 ///                       exactly 1 is read as fractions (a note says so)
-Grading sieve_grading(const std::vector<double>& size, const std::vector<double>& percent_finer,
-                      const SieveOptions& options = {});
+COMMINUTE_API Grading sieve_grading(const std::vector<double>& size, const std::vector<double>& percent_finer,
+                                    const SieveOptions& options = {});
 ///@}
 
 /// What becomes of the exact sizes of a monodisperse or gap-graded start.
@@ -185,8 +187,8 @@ enum class PointHandling {
 
 /// Complete mixing (Eq. 64) of a grading: neighbours independent of the grain. Never loaded.
 /// @throws ParameterError if a grain is larger than the grid's last edge
-Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mean::arithmetic,
-                    PointHandling points = PointHandling::exact);
+COMMINUTE_API Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mean::arithmetic,
+                                  PointHandling points = PointHandling::exact);
 
 /// A grid that fits: its top edge at the largest grain, the fines bin below both the finest grains and the
 /// zone of the largest load, point masses on bin centres (the two coarsest at least,
@@ -199,8 +201,8 @@ Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mea
 /// CHECK(grid.psi_max() == 0.0);
 /// CHECK(grid.centre(grid.bin_of(std::log(0.1))) == doctest::Approx(std::log(0.1)));
 /// @endcode
-LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,
-                     double spacing = 0.02);
+COMMINUTE_API LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,
+                                   double spacing = 0.02);
 
 /// Size D_x such that `percent` of the mass is finer: inf{d : F(d) >= percent/100}, linear in ln d inside a
 /// bin. On a plateau this is its lower end.
@@ -210,7 +212,7 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
 /// @param points   exact sizes that are part of `cdf`, fine to coarse: it jumps there, inside their bin
 /// @throws ParameterError if D_x lies in the fines bin, where no size is known, or above the top; for a cdf that falls (by
 /// more than 1e-12) or is not finite
-double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate = false,
-                  const std::vector<PointMass>& points = {});
+COMMINUTE_API double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent,
+                                bool extrapolate = false, const std::vector<PointMass>& points = {});
 
 }  // namespace comminute

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "comminute/export.hpp"
 #include "comminute/view.hpp"
 
 namespace comminute {
@@ -19,7 +20,7 @@ namespace comminute {
 /// CHECK(grid.centre(300) == 0.0);
 /// CHECK(grid.bin_of(-50.0) == 0);
 /// @endcode
-class LogGrid {
+class COMMINUTE_API LogGrid {
   public:
     /// @param psi_min, psi_max  centres of the first and of the last bin, ln(size in the material's unit)
     LogGrid(double psi_min, double psi_max, Index bins);

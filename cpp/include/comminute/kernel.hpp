@@ -2,6 +2,7 @@
 #pragma once
 
 #include "comminute/criterion.hpp"
+#include "comminute/export.hpp"
 
 namespace comminute {
 
@@ -36,7 +37,7 @@ struct CrushShares {
 /// kernel.cell(60, 59, 100.0, {k.data(), 64, 64});   // the larger grain, psi, crushes: one column
 /// CHECK(k[59 * 64 + 59] == doctest::Approx(kernel.fragments().mass[1]));
 /// @endcode
-class Kernel {
+class COMMINUTE_API Kernel {
   public:
     Kernel(const LogGrid& grid, const Material& material, KernelKind kind, double loading_rate = 0.0,
            FragmentRule rule = FragmentRule::paper);

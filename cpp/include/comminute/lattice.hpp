@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "comminute/export.hpp"
 #include "comminute/fabric.hpp"
 #include "comminute/grading.hpp"
 #include "comminute/material.hpp"
@@ -72,7 +73,7 @@ struct LatticeEstimate {
 /// Every replica is a ring of M cells of equal mass. A cell crushes at the stress ratio of Eq. 2, where its
 /// neighbourhood size is the mean of its two neighbours; it is then made smaller by a factor X drawn from the
 /// fragment law. The test is closed, to rounding, as in CrushZones. Copies are independent and go on alike.
-class LatticeState {
+class COMMINUTE_API LatticeState {
   public:
     virtual ~LatticeState() = default;
 
@@ -156,7 +157,7 @@ class LatticeState {
 /// lattice.load_to(1.0);   // random sequential adsorption: (1 - exp(-2)) / 2 of the cells crush
 /// CHECK(lattice.mean_crushes()[0] == doctest::Approx(0.432332).epsilon(0.01));
 /// @endcode
-class Lattice : public LatticeState {
+class COMMINUTE_API Lattice : public LatticeState {
   public:
     /// @param cells    M >= 2 of each ring, at most 2^32 - 2
     /// @param grading  sizes are drawn from it independently
@@ -200,7 +201,7 @@ struct TimeStepping {
 /// lattice.pass(1.0);
 /// CHECK(lattice.mean_crushes()[0] == 1.0);
 /// @endcode
-class TimeSteppedLattice : public LatticeState {
+class COMMINUTE_API TimeSteppedLattice : public LatticeState {
   public:
     /// @throws ParameterError as Lattice, and for a probability or a factor outside its range
     TimeSteppedLattice(Index cells, const Material& material, const Grading& grading,

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "comminute/export.hpp"
 #include "comminute/fragments.hpp"
 
 namespace comminute {
@@ -17,7 +18,7 @@ namespace comminute {
 /// sand.first_crush_stress = 1.2;   // MPa
 /// CHECK(sand.stress_ratio(12.0) == doctest::Approx(10.0));
 /// @endcode
-struct Material {
+struct COMMINUTE_API Material {
     double weibull_modulus = 3.0;  ///< w > 0, Weibull modulus of grain strength
     double fabric_width = 0.05;    ///< n > 0, how far a neighbour may differ and still crush; inf: size alone
     double reference_size = 1.0;   ///< s_max > 0, in the unit of the sizes: a reference, not a bound
@@ -43,6 +44,6 @@ struct Material {
 };
 
 /// @throws ParameterError unless the stress ratio is a number >= 0 (0 is no load)
-void require_stress_ratio(double stress_ratio);
+COMMINUTE_API void require_stress_ratio(double stress_ratio);
 
 }  // namespace comminute

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "comminute/export.hpp"
 #include "comminute/fabric.hpp"
 #include "comminute/material.hpp"
 
@@ -68,7 +69,7 @@ struct Marginal {
 /// CHECK(after.settled_at() == 1.0);
 /// CHECK(solver.solve(after, 0.5) == after);          // unloading changes nothing
 /// @endcode
-class QuasiStatic {
+class COMMINUTE_API QuasiStatic {
   public:
     QuasiStatic(const LogGrid& grid, const Material& material, Scheme scheme = Scheme::conservative,
                 double loading_rate = 0.0, SolvePath path = SolvePath::automatic);

@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "comminute/export.hpp"
 #include "comminute/full_convolution.hpp"
 #include "comminute/slow_update.hpp"
 
@@ -28,9 +29,9 @@ inline constexpr double rest_tolerance = 1e-18;
 /// CHECK(report.steps > 1);
 /// CHECK(report.active < 1e-18);
 /// @endcode
-StepReport settle(SlowUpdate& engine, MatrixView<double> state, double stress_ratio, Index steps = 0,
-                  const std::function<bool()>& go_on = {});
-StepReport settle(FullConvolution& engine, MatrixView<double> state, double stress_ratio, Index steps = 0,
-                  const std::function<bool()>& go_on = {});
+COMMINUTE_API StepReport settle(SlowUpdate& engine, MatrixView<double> state, double stress_ratio,
+                                Index steps = 0, const std::function<bool()>& go_on = {});
+COMMINUTE_API StepReport settle(FullConvolution& engine, MatrixView<double> state, double stress_ratio,
+                                Index steps = 0, const std::function<bool()>& go_on = {});
 
 }  // namespace comminute

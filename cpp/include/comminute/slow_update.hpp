@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "comminute/export.hpp"
 #include "comminute/kernel.hpp"
 
 namespace comminute {
@@ -27,7 +28,7 @@ namespace comminute {
 /// CHECK(engine.step(state, 100.0, state).crushed == 1.0);
 /// CHECK(std::accumulate(p.begin(), p.end(), 0.0) == doctest::Approx(1.0));
 /// @endcode
-class SlowUpdate {
+class COMMINUTE_API SlowUpdate {
   public:
     SlowUpdate(const LogGrid& grid, const Material& material, FragmentRule rule = FragmentRule::paper);
     ~SlowUpdate();

@@ -8,7 +8,7 @@
 #include "comminute/error.hpp"
 #include "comminute/view.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 inline std::string shape_text(Index rows, Index cols) {
     return "(" + std::to_string(rows) + ", " + std::to_string(cols) + ")";
@@ -55,4 +55,4 @@ inline void require_same_or_apart(MatrixView<const double> p, MatrixView<double>
     throw ShapeError("out overlaps p in part; pass p itself to step in place, or an array of its own");
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

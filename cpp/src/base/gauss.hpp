@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace comminute {
+namespace comminute::detail {
 
 /// The 12-point Gauss-Legendre rule on [-1, 1], positive half of the nodes; exact to degree 23.
 struct GaussRule12 {
@@ -36,4 +36,4 @@ Value integrate(const F& f, double from, double to, int panels, const Value& zer
     return half * sum;
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

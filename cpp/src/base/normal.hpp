@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Standard normal cdf, to rounding also far down the lower tail.
 inline double normal_cdf(double z) {
     return 0.5 * std::erfc(-z / std::numbers::sqrt2);
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

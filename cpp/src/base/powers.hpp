@@ -6,7 +6,7 @@
 
 #include "comminute/view.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// to[m] = exp(-decay m), m < count. From an exponential every few bins: multiplied up from bin to bin, the rounding of
 /// one ratio would be that of the hundredth power a hundred times over.
@@ -19,4 +19,4 @@ inline void fill_powers(double decay, double* to, Index count) {
     }
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Counter-based random bits, Philox 2x64-10 (Salmon et al. 2011): a pure function of key and counter, so a draw
 /// depends on what it is for and not on when, or in which thread, it is made.
@@ -42,4 +42,4 @@ inline std::uint64_t random_key(std::uint64_t origin, std::uint64_t where) {
     return z ^ z >> 31;
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 void one_after_another(std::size_t count,
@@ -75,4 +75,4 @@ void for_each_index(std::size_t count, std::size_t threads,
     if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

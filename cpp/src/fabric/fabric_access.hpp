@@ -5,7 +5,7 @@
 
 #include "comminute/fabric.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// The library's own way into a Fabric: its marginals as they were handed on, and fabrics made of parts that are known
 /// to be right.
@@ -28,4 +28,4 @@ std::vector<PointMass> exact_sizes(const std::vector<Atom>& atoms, const std::ve
 std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread,
                                 const std::vector<PointMass>& points);
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -10,6 +10,9 @@
 #include "fabric/fabric_access.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 using Line = Eigen::Map<Eigen::ArrayXd>;

@@ -11,6 +11,9 @@
 #include "comminute/error.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 void require_size(const char* parameter, double value) {

@@ -7,6 +7,7 @@
 #include "comminute/grading.hpp"
 
 namespace comminute {
+
 namespace {
 
 constexpr double rounding = 1e-12;  // a curve is a sum: its plateaus and its 1 are good to this

@@ -8,7 +8,7 @@
 
 #include "base/normal.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 // A curve that is linear in ln x between points, and a power law below the first.
@@ -102,4 +102,4 @@ double size_quantile(const GradingLaw& law, double p) {
     return std::visit([p](const auto& l) { return quantile(l, p); }, law);
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

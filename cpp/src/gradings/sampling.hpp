@@ -7,7 +7,7 @@
 #include "comminute/fragments.hpp"
 #include "comminute/grading.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Draws R = ln X of a fragment law by inverting its cdf, without rejection: one number in, one out.
 class FragmentSampler {
@@ -38,4 +38,4 @@ double size_quantile(const GradingLaw& law, double p);
 /// z with Phi(z) = p, p in (0, 1), to rounding also far down the tail.
 double normal_quantile(double p);
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -7,6 +7,7 @@
 #include "comminute/grading.hpp"
 
 namespace comminute {
+
 namespace {
 
 struct Point {

@@ -8,7 +8,7 @@
 #include "comminute/lattice.hpp"
 #include "gradings/sampling.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Crushes one cell. The fragment is drawn by place, crush count and remixing, so it does not matter when this is done.
 inline void crush(LatticeRing& ring, std::uint32_t cell, const FragmentSampler& draw) {
@@ -17,4 +17,4 @@ inline void crush(LatticeRing& ring, std::uint32_t cell, const FragmentSampler& 
     ring.cells[cell].size = std::exp(ring.cells[cell].psi);
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -16,6 +16,9 @@
 #include "lattice/weakest_first.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 constexpr double largest_log_ratio = 700.0;  // e^700 is close to the largest double

@@ -11,6 +11,9 @@
 #include "lattice/ring_criterion.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 LatticeEstimate estimate(const std::vector<std::vector<double>>& samples) {

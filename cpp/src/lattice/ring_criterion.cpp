@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lattice/ring_criterion.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 double largest_psi(const LatticeRing& ring) {
     double largest = -std::numeric_limits<double>::infinity();
@@ -19,4 +19,4 @@ double closed_log_load(const LatticeRing& ring, const Material& material, double
     return log_load + 8.0 * std::numeric_limits<double>::epsilon() * slack;
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -9,7 +9,7 @@
 #include "base/random.hpp"
 #include "comminute/lattice.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// ln(stress ratio) of the closed crush test: raised by a few units in the last place, so that a cell exactly at
 /// its critical load crushes however that was rounded.
@@ -98,4 +98,4 @@ class LoadLimit {
     double shrink_ = 0.0;
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

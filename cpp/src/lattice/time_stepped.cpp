@@ -10,6 +10,9 @@
 #include "lattice/ring_criterion.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 using Cell = std::uint32_t;

@@ -10,7 +10,7 @@
 #include "lattice/crush.hpp"
 #include "lattice/ring_criterion.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 // Why no queue of all cells is needed. The rule says: crush the globally weakest cell, as long as the load limit
@@ -289,4 +289,4 @@ bool crush_weakest_first(LatticeRing& ring, const Material& material, Mean mean,
     return finished;
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -5,7 +5,7 @@
 
 #include "comminute/lattice.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Raises the load on one ring from where it stands up to `stress_ratio`, always crushing the weakest cell of all
 /// first (equally weak ones in random order), until no cell is left that this load crushes.
@@ -16,4 +16,4 @@ namespace comminute {
 bool crush_weakest_first(LatticeRing& ring, const Material& material, Mean mean, double stress_ratio,
                          bool record_avalanches, const std::function<bool()>& go_on);
 
-}  // namespace comminute
+}  // namespace comminute::detail

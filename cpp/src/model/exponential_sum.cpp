@@ -8,6 +8,9 @@
 #include "comminute/fragments.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 // The monomials lose digits to cancellation while they are made, not while they are used.

@@ -13,6 +13,9 @@
 #include "comminute/error.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

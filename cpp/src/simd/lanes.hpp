@@ -8,7 +8,7 @@
 #include "comminute/view.hpp"
 #include "simd/multiversion.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Doubles in a cache line, and in the widest register that any of these loops uses. Tables are laid out in packs of as
 /// many, whatever the registers at hand.
@@ -79,4 +79,4 @@ constexpr Index row_stride(Index n) {
     return (lanes_up(n) / lanes | 1) * lanes;
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -8,7 +8,7 @@
 #include "simd/lanes.hpp"
 #include "simd/multiversion.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 constexpr double negligible = 1e-290;  // denormal numbers would take a hundred times as long to add
@@ -277,4 +277,4 @@ COMMINUTE_VERSIONS(void, add_to_rows,
 COMMINUTE_VERSIONS(void, transpose, (const double* from, Index from_stride, double* to, Index to_stride),
                    (from, from_stride, to, to_stride))
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -3,7 +3,7 @@
 
 #include "simd/lanes.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// to[k] += factor * from[k], k < count; the two do not overlap.
 void add_scaled(double factor, const double* from, double* to, Index count);
@@ -98,4 +98,4 @@ inline void fetch(const double* from, Index count) {
     for (Index k = 0; k < count + lanes; k += lanes) __builtin_prefetch(from + k);
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -32,7 +32,7 @@
     }                                                                       \
     }                                                                       \
     Result name parameters {                                                \
-        switch (comminute::machine_vectors()) {                             \
+        switch (comminute::detail::machine_vectors()) {                     \
             case 8:                                                         \
                 return name##_v4 arguments;                                 \
             case 4:                                                         \
@@ -42,7 +42,7 @@
         }                                                                   \
     }
 
-namespace comminute {
+namespace comminute::detail {
 /// Doubles in the widest register of this machine that there is a version for, and that the build allows.
 inline int machine_vectors() {
     static const int width = __builtin_cpu_supports("x86-64-v4") && COMMINUTE_WIDEST_VECTOR >= 8   ? 8
@@ -50,7 +50,7 @@ inline int machine_vectors() {
                                                                                                    : 2;
     return width;
 }
-}  // namespace comminute
+}  // namespace comminute::detail
 #endif
 // NOLINTEND(bugprone-macro-parentheses)
 

@@ -7,7 +7,7 @@
 #include "base/powers.hpp"
 #include "simd/lanes.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 constexpr double nearly_denormal = 1e-290;
@@ -95,4 +95,4 @@ CrushTable CrushTable::make(const FragmentPmf& pmf, const ExponentialSum& sum, d
     return table;
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -6,7 +6,7 @@
 #include "comminute/fragments.hpp"
 #include "simd/loops.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Where mass lands along its line that crushes once, or until it leaves its bin, in the two forms in which a sweep adds it up:
 /// bin by bin for the first `head` reductions, and beyond them as running sums.
@@ -58,4 +58,4 @@ struct CrushTable {
     void set_block();
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

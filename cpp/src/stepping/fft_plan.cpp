@@ -12,7 +12,7 @@
 
 #include "simd/multiversion.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 // FFTW's planner is global and not thread safe; executing a plan is.
@@ -192,4 +192,4 @@ void LineSpreader::clear(Index q) {
     std::fill_n(pair(q), 2 * plans_->used[static_cast<std::size_t>(q)], 0.0);
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

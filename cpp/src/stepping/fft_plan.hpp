@@ -6,7 +6,7 @@
 #include "comminute/full_convolution.hpp"
 #include "comminute/view.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Real lines, two and two, each spread downwards by one fixed pmf: out[i] = sum_m filter[m] in[i + m].
 ///
@@ -39,4 +39,4 @@ class LineSpreader {
     std::unique_ptr<Plans> plans_;
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -13,6 +13,9 @@
 #endif
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 void require_finite(MatrixView<const double> p) {

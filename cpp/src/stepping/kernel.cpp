@@ -6,6 +6,9 @@
 #include "base/check.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 // Where one unit of mass in bin `from` of a line lies after one crush.

@@ -7,7 +7,7 @@
 #include "simd/lanes.hpp"
 #include "simd/multiversion.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 // Multiplies bins 1 .. coarsest of a pair, empties them of what is negative, and says what is left in either line.
@@ -99,4 +99,4 @@ COMMINUTE_MULTIVERSION void add_columns(const double* pairs, Index distance, Ind
     }
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

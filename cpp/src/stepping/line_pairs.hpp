@@ -5,7 +5,7 @@
 
 #include "comminute/view.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// A line of the state that is to be spread: how much mass it pushes, from which bins, and where what lands is
 /// added.
@@ -44,4 +44,4 @@ void gather_columns(const double* columns, Index stride, Index rows, double* pai
 /// Adds pairs to the columns of `out` from `begin` on, as many of the eight as there are.
 void add_columns(const double* pairs, Index distance, Index rows, MatrixView<double> out, Index begin);
 
-}  // namespace comminute
+}  // namespace comminute::detail

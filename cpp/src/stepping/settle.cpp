@@ -7,6 +7,9 @@
 #include "base/check.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 template <class Engine>

@@ -11,6 +11,9 @@
 #include "zones/zone_runs.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 using Line = Eigen::Map<Eigen::ArrayXd>;

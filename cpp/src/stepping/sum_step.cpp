@@ -5,7 +5,7 @@
 
 #include "simd/loops.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 constexpr Index columns_a_reference =
@@ -238,4 +238,4 @@ StepReport SumStep::run(MatrixView<const double> p, const Kernel& kernel, ZoneRu
     return report_;
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

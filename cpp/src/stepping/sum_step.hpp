@@ -9,7 +9,7 @@
 #include "spreading/crush_table.hpp"
 #include "zones/zone_runs.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// One step of Eq. 61 with any kernel by running sums, O(K N^2), where the fragments' law has an exponential sum from
 /// the first bin on.
@@ -70,4 +70,4 @@ class SumStep {
     std::vector<double> factors_;  // (K, 4)
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -5,7 +5,7 @@
 
 #include "simd/loops.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 // A run without what is empty at its ends.
@@ -136,4 +136,4 @@ StepReport TransformStep::run(MatrixView<const double> p, const Kernel& kernel, 
     return report_;
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -9,7 +9,7 @@
 #include "stepping/line_pairs.hpp"
 #include "zones/zone_runs.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// One step of Eq. 61 with any kernel by separable linear convolutions in FFTW, O(N^2 log N); see FullConvolution.
 class TransformStep {
@@ -44,4 +44,4 @@ class TransformStep {
     StepReport report_;
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -8,7 +8,7 @@
 #include "simd/lanes.hpp"
 #include "simd/loops.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 constexpr Index columns_a_block = 32;  // enough to use whole cache lines of the state's rows
@@ -377,4 +377,4 @@ void BandSweep::run(const CrushTable& table, const ActiveBand& before, const Act
     }
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

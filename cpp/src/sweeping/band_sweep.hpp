@@ -7,7 +7,7 @@
 #include "spreading/crush_table.hpp"
 #include "zones/active_band.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Mass that arrives from outside the bins, psi[i] * psibar[j] in cell (i, j).
 struct OuterProduct {
@@ -144,4 +144,4 @@ class BandSweep {
     std::vector<double> scaled_;   // (K, N) the same as seen from the first column of their block
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

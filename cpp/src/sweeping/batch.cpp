@@ -15,6 +15,9 @@
 #include "zones/active_band.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 constexpr Index states_at_a_time = 16;  // enough not to wait for each other, few enough to end together

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace comminute {
+namespace comminute::detail {
 
 BlendSweep::BlendSweep(const FragmentPmf& fragments, double rate)
     : fragments_(fragments),
@@ -78,4 +78,4 @@ void BlendSweep::run(const ActiveBand& before, const ActiveBand& after, MatrixVi
     }
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

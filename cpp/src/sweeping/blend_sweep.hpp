@@ -5,7 +5,7 @@
 
 #include "sweeping/band_sweep.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// One sweep of the blend (Eq. 67), bin by bin: (1 - rate) slow + rate fast, the fast share crushing both grains.
 ///
@@ -42,4 +42,4 @@ class BlendSweep {
     double crushed_neighbour_ = 0.0;
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

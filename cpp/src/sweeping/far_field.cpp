@@ -9,7 +9,7 @@
 // all that lands on it. The state is walked in tiles of a few rows by one block of columns, with references inside
 // the block, since ratio^-N overflows; and four rows at a time, so that a number of the tables is loaded once for all. Terms that decay fast are nothing beyond a few blocks and are left out there.
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 constexpr Index block = 96;
@@ -194,4 +194,4 @@ void BandSweep::far_field(const CrushTable& table, MatrixView<const double> stat
     }
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -7,7 +7,7 @@
 
 #include "zones/shell_zone.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 constexpr std::size_t most_sizes_kept = 256;  // many more are of many fabrics, not of one
@@ -259,4 +259,4 @@ std::vector<OuterProduct> PointSweep::arrivals() {
     return products;
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -8,7 +8,7 @@
 #include "comminute/fabric.hpp"
 #include "sweeping/band_sweep.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Brings atoms and ridges to rest: an atom by the zone at its exact place, a ridge by the length of each bin that the
 /// zone covers on it. An atom that crushes leaves ridges; what crushes at its exact size enters the bins, where its
@@ -72,4 +72,4 @@ class PointSweep {
     double crushed_[2] = {0.0, 0.0};
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

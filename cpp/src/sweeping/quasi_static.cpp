@@ -13,6 +13,9 @@
 #include "sweeping/point_sweep.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 using Line = Eigen::Map<Eigen::ArrayXd>;

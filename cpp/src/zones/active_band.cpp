@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace comminute {
+namespace comminute::detail {
 
 ActiveBand::ActiveBand(const LogGrid& grid, const Material& material, Scheme scheme)
     : grid_(grid),
@@ -58,4 +58,4 @@ void ActiveBand::set_shells(const ShellZones& zones, Index begin) {
     }
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

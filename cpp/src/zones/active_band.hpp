@@ -7,7 +7,7 @@
 #include "comminute/quasi_static.hpp"
 #include "zones/shell_zone.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Share of each cell that the slow rule moves under one load, shell by shell: 1 up to a distance |i - j|, partial
 /// shares in a few cells further out, 0 beyond. The one table behind every quasi-static path, of either scheme.
@@ -44,4 +44,4 @@ class ActiveBand {
     std::vector<double> shares_;  // of the shells at hand
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -9,6 +9,9 @@
 #include "zones/shell_zone.hpp"
 
 namespace comminute {
+
+using namespace detail;
+
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -6,7 +6,7 @@
 
 #include "simd/multiversion.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 namespace {
 
 template <Index Width>
@@ -197,4 +197,4 @@ void ShellZones::shares(Index m, const Distances& first, Index rows, double* sha
     }
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

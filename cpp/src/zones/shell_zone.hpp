@@ -7,7 +7,7 @@
 #include "comminute/material.hpp"
 #include "simd/lanes.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Log size of the smallest grain that crushes among equals under a load, the tip of the zone.
 double zone_onset(const Material& material, double log_stress_ratio);
@@ -39,4 +39,4 @@ class ShellZones {
     double steepness_;
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

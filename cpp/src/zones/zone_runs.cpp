@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace comminute {
+namespace comminute::detail {
 
 ZoneRuns::ZoneRuns(const CrushZones& zones) : zones_(zones) {
     runs_.reserve(static_cast<std::size_t>(zones.grid().bins()));
@@ -38,4 +38,4 @@ const std::vector<ZoneRun>& ZoneRuns::of_row(Index i) {
     return runs_;
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

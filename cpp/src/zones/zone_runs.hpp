@@ -5,7 +5,7 @@
 
 #include "comminute/criterion.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
 /// Cells of a row side by side that lie in one zone and do the same; none of them is the diagonal cell with others.
 struct ZoneRun {
@@ -35,4 +35,4 @@ class ZoneRuns {
     std::vector<ZoneRun> runs_;
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fabric/fabric_access.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace comminute::detail {
+
+std::vector<PointMass> exact_sizes(const std::vector<Atom>& atoms, const std::vector<Ridge>& ridges) {
+    std::vector<PointMass> sizes;
+    sizes.reserve(atoms.size() + ridges.size());
+    for (const Atom& atom : atoms) sizes.push_back({atom.psi, atom.mass});
+    for (const Ridge& ridge : ridges) {
+        if (ridge.exact != Axis::grain) continue;
+        sizes.push_back({ridge.at, std::accumulate(ridge.mass.begin(), ridge.mass.end(), 0.0)});
+    }
+    std::stable_sort(sizes.begin(), sizes.end(),
+                     [](const PointMass& a, const PointMass& b) { return a.psi < b.psi; });
+    std::vector<PointMass> merged;
+    for (const PointMass& size : sizes) {
+        if (merged.empty() || merged.back().psi != size.psi) merged.push_back({size.psi, 0.0});
+        merged.back().mass += size.mass;
+    }
+    return merged;
+}
+
+std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread,
+                                const std::vector<PointMass>& points) {
+    for (const PointMass& point : points)
+        spread[static_cast<std::size_t>(grid.bin_of(point.psi))] += point.mass;
+    return spread;
+}
+
+}  // namespace comminute::detail
