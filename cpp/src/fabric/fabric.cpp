@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "comminute/fabric.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "comminute/material.hpp"
 #include "fabric/fabric_access.hpp"
@@ -15,9 +15,6 @@ namespace comminute {
 using namespace detail;
 
 namespace {
-
-using Line = Eigen::Map<Eigen::ArrayXd>;
-using ConstLine = Eigen::Map<const Eigen::ArrayXd>;
 
 std::string place_text(const char* list, std::size_t index, const char* field = "") {
     return std::string(list) + "[" + std::to_string(index) + "]" + field;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "comminute/fabric.hpp"
 #include "fabric/fabric_access.hpp"
@@ -14,9 +14,6 @@ namespace comminute {
 using namespace detail;
 
 namespace {
-
-using Line = Eigen::Map<Eigen::ArrayXd>;
-using ConstLine = Eigen::Map<const Eigen::ArrayXd>;
 
 // Log size of the mean of two neighbours; equal ones have exactly their own.
 double mean_of(double a, double b, Mean mean) {

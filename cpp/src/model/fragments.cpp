@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "comminute/fragments.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
 
+#include "base/arrays.hpp"
 #include "base/gauss.hpp"
 #include "base/normal.hpp"
 #include "comminute/error.hpp"

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "comminute/slow_update.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "stepping/sum_step.hpp"
 #include "zones/zone_runs.hpp"
@@ -15,9 +15,6 @@ namespace comminute {
 using namespace detail;
 
 namespace {
-
-using Line = Eigen::Map<Eigen::ArrayXd>;
-using ConstLine = Eigen::Map<const Eigen::ArrayXd>;
 
 constexpr Index lifted_at_once = 1 << 15;  // masses, 256 KiB
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "comminute/quasi_static.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
+#include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "fabric/fabric_access.hpp"
 #include "sweeping/blend_sweep.hpp"
@@ -17,9 +17,6 @@ namespace comminute {
 using namespace detail;
 
 namespace {
-
-using Line = Eigen::Map<Eigen::ArrayXd>;
-using ConstLine = Eigen::Map<const Eigen::ArrayXd>;
 
 std::vector<double> row_sums(MatrixView<const double> state) {
     std::vector<double> sums(static_cast<std::size_t>(state.rows()));

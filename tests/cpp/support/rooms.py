@@ -14,7 +14,7 @@ SEES = {"lattice": {"base", "model", "fabric", "gradings", "lattice"}}
 # Public headers that hold no more than declarations, and need no .cpp file.
 WITHOUT_SOURCE = {"view": "base", "export": "base", "version": "base", "scheme": "model"}
 # Libraries that are wrapped in one file, which alone may include their headers.
-WRAPPED = {"fftw3.h": "stepping/fft_plan.cpp"}
+WRAPPED = {"fftw3.h": "stepping/fft_plan.cpp", "Eigen/Core": "base/arrays.hpp"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^">]+)[">]', re.MULTILINE)
 
