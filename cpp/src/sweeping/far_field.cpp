@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "simd/loops.hpp"
-#include "simd/multiversion.hpp"
+#include "simd/sums.hpp"
 #include "sweeping/band_sweep.hpp"
 
 // The cells outside the band: nothing crushes there, so the sums of a line, once its own shell has had its turn, give
@@ -14,11 +14,6 @@ namespace {
 
 constexpr Index block = 96;
 constexpr Index rows_a_tile = 16;
-
-COMMINUTE_MULTIVERSION void add_product(const double* a, const double* b, double* to, Index count) {
-    COMMINUTE_INDEPENDENT
-    for (Index k = 0; k < count; ++k) to[k] += a[k] * b[k];
-}
 
 }  // namespace
 
