@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/double_double.hpp"
 #include "base/powers.hpp"
 #include "comminute/fragments.hpp"
 
@@ -78,20 +79,15 @@ double largest_error(const ExponentialSum& sum, const FragmentPmf& pmf, double m
 }
 
 // Lets all bins of the tail together get what the law says, so that the error of the sum moves mass but makes none. The
-// slowest term takes what the others lack.
+// slowest term takes what the others lack, which is of the size of a double's rounding and so is found with more digits.
 void close_balance(ExponentialSum& sum, const FragmentPmf& pmf) {
     const auto from = static_cast<std::size_t>(sum.head) + 1;
     if (from >= pmf.below.size()) return;
-    double lack = pmf.below[from];
-    double lost = 0.0;  // what rounding has taken from it
+    DoubleDouble lack{pmf.below[from]};
     for (std::size_t a = 0; a < sum.decay.size(); ++a) {
-        const double term = sum.coefficient[a] / std::expm1(sum.decay[a]);
-        const double left = lack - term;
-        const double taken = lack - left;
-        lost += (lack - (left + taken)) - (term - taken);
-        lack = left;
+        lack = lack + DoubleDouble{-sum.coefficient[a]} / exact_expm1(sum.decay[a]);
     }
-    sum.coefficient[0] += (lack + lost) * std::expm1(sum.decay[0]);
+    sum.coefficient[0] += lack.high * std::expm1(sum.decay[0]);
 }
 
 // Fills in the error; false where the sum is not good enough.
