@@ -25,19 +25,6 @@ void add_scaled(double factor, const double* from, double* to, Index count) {
     for_each_register(AddScaled{factor, from, to}, 0, count);
 }
 
-struct AddProduct {
-    const double* a;
-    const double* b;
-    double* to;
-    template <class D>
-    HWY_INLINE void operator()(D d, Index k) const {
-        hn::StoreU(hn::MulAdd(hn::LoadU(d, a + k), hn::LoadU(d, b + k), hn::LoadU(d, to + k)), d, to + k);
-    }
-};
-void add_product(const double* a, const double* b, double* to, Index count) {
-    for_each_register(AddProduct{a, b, to}, 0, count);
-}
-
 double sum(const double* values, Index count) {
     constexpr Index registers = lanes / width;
     Numbers sums[registers];
@@ -121,7 +108,6 @@ HWY_AFTER_NAMESPACE();
 namespace comminute::detail {
 
 HWY_EXPORT(add_scaled);
-HWY_EXPORT(add_product);
 HWY_EXPORT(sum);
 HWY_EXPORT(all_finite);
 HWY_EXPORT(settle_row);
@@ -129,9 +115,6 @@ HWY_EXPORT(transpose);
 
 void add_scaled(double factor, const double* from, double* to, Index count) {
     HWY_DYNAMIC_DISPATCH(add_scaled)(factor, from, to, count);
-}
-void add_product(const double* a, const double* b, double* to, Index count) {
-    HWY_DYNAMIC_DISPATCH(add_product)(a, b, to, count);
 }
 double sum(const double* values, Index count) {
     return HWY_DYNAMIC_DISPATCH(sum)(values, count);

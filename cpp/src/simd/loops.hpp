@@ -10,9 +10,6 @@ namespace comminute::detail {
 /// to[k] += factor * from[k], k < count.
 void add_scaled(double factor, const double* from, double* to, Index count);
 
-/// to[k] += a[k] * b[k], k < count.
-void add_product(const double* a, const double* b, double* to, Index count);
-
 /// Sum of the values. Partial sums are taken by position in a pack, so that the result is the same, bit for bit, whatever
 /// registers the machine has.
 double sum(const double* values, Index count);

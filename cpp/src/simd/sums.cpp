@@ -58,6 +58,45 @@ void decay(const double* factor, Index terms, double* sums, Index count) {
     }
 }
 
+struct AddTerms {
+    const double* factors;
+    TermRows rows;
+    Index terms;
+    double* to;
+    template <class D>
+    HWY_INLINE void operator()(D d, Index k) const {
+        auto sum = hn::LoadU(d, to + k);
+        const double* from = rows.first + k;
+        for (Index a = 0; a < terms; ++a, from += rows.stride) {
+            sum = hn::MulAdd(hn::Set(d, factors[a]), hn::LoadU(d, from), sum);
+        }
+        hn::StoreU(sum, d, to + k);
+    }
+};
+void add_terms(const double* factors, TermRows rows, Index terms, double* to, Index count) {
+    for_each_register(AddTerms{factors, rows, terms, to}, 0, count);
+}
+
+struct AddProducts {
+    TermRows one;
+    TermRows other;
+    Index terms;
+    double* to;
+    template <class D>
+    HWY_INLINE void operator()(D d, Index k) const {
+        auto sum = hn::LoadU(d, to + k);
+        const double* from = one.first + k;
+        const double* by = other.first + k;
+        for (Index a = 0; a < terms; ++a, from += one.stride, by += other.stride) {
+            sum = hn::MulAdd(hn::LoadU(d, from), hn::LoadU(d, by), sum);
+        }
+        hn::StoreU(sum, d, to + k);
+    }
+};
+void add_products(TermRows one, TermRows other, Index terms, double* to, Index count) {
+    for_each_register(AddProducts{one, other, terms, to}, 0, count);
+}
+
 template <Index Registers>
 HWY_INLINE void add_to_rows_at(const Terms& of, const double* factors, Index terms, double* rows,
                                Index row_stride, Index at) {
@@ -97,6 +136,8 @@ namespace comminute::detail {
 
 HWY_EXPORT(advance);
 HWY_EXPORT(decay);
+HWY_EXPORT(add_terms);
+HWY_EXPORT(add_products);
 HWY_EXPORT(add_to_rows);
 
 void advance(const Falling& f, const double* enters, double* arriving, Index count) {
@@ -104,6 +145,12 @@ void advance(const Falling& f, const double* enters, double* arriving, Index cou
 }
 void decay(const double* factor, Index terms, double* sums, Index count) {
     HWY_DYNAMIC_DISPATCH(decay)(factor, terms, sums, count);
+}
+void add_terms(const double* factors, TermRows rows, Index terms, double* to, Index count) {
+    HWY_DYNAMIC_DISPATCH(add_terms)(factors, rows, terms, to, count);
+}
+void add_products(TermRows one, TermRows other, Index terms, double* to, Index count) {
+    HWY_DYNAMIC_DISPATCH(add_products)(one, other, terms, to, count);
 }
 void add_to_rows(const Terms& of, const double* factors, Index terms, double* rows, Index row_stride,
                  Index count) {

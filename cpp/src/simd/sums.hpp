@@ -25,6 +25,16 @@ void advance(const Falling& f, const double* enters, double* arriving, Index cou
 /// @param sums    (count / lanes, K, lanes)
 void decay(const double* factor, Index terms, double* sums, Index count);
 
+/// Numbers by term, in rows `stride` apart.
+struct TermRows {
+    const double* first;
+    Index stride;
+};
+/// to[k] += sum over the terms a of factors[a] rows[a, k], k < count, any number.
+void add_terms(const double* factors, TermRows rows, Index terms, double* to, Index count);
+/// to[k] += sum over the terms a of one[a, k] other[a, k], k < count, any number.
+void add_products(TermRows one, TermRows other, Index terms, double* to, Index count);
+
 /// Rows that add_to_rows() serves at once, so that a number of the terms is loaded once for all of them.
 constexpr Index rows_at_once = 4;
 

@@ -51,8 +51,14 @@ TEST_CASE("loops over arrays of any length are what they say") {
         const Numbers old = numbers(count, 3);
         Numbers scaled = old;
         add_scaled(0.7, a.data(), scaled.data(), count);
-        Numbers product = old;
-        add_product(a.data(), b.data(), product.data(), count);
+        const Index stride = count + 2;
+        const Numbers rows = numbers(3 * stride, 4);
+        const Numbers others = numbers(3 * stride, 5);
+        const Numbers factors = numbers(3, 6);
+        Numbers by_terms = old;
+        add_terms(factors.data(), {rows.data(), stride}, 3, by_terms.data(), count);
+        Numbers products = old;
+        add_products({rows.data(), stride}, {others.data(), stride}, 3, products.data(), count);
         Numbers row = old;
         Numbers fines = b;
         settle_row({a.data(), b.data(), 0.3, 0.2}, row.data(), fines.data(), count);
@@ -63,17 +69,24 @@ TEST_CASE("loops over arrays of any length are what they say") {
         CHECK(in_place == rest);
 
         double total = 0.0;
-        Numbers want_scaled, want_product, want_row, want_fines, want_rest;
+        Numbers want_scaled, want_by_terms, want_products, want_row, want_fines, want_rest;
         for (std::size_t k = 0; k < a.size(); ++k) {
             total += a[k];
             want_scaled.push_back(old[k] + 0.7 * a[k]);
-            want_product.push_back(old[k] + a[k] * b[k]);
+            want_by_terms.push_back(old[k]);
+            want_products.push_back(old[k]);
+            for (std::size_t t = 0; t < 3; ++t) {
+                const std::size_t place = t * at(stride) + k;
+                want_by_terms.back() += factors[t] * rows[place];
+                want_products.back() += rows[place] * others[place];
+            }
             want_row.push_back(old[k] + b[k] + 0.3 * a[k]);
             want_fines.push_back(b[k] + 0.2 * a[k]);
             want_rest.push_back(a[k] * (1.0 - old[k]) + b[k] * (1.0 - scaled[k]));
         }
         check_equal(scaled, want_scaled);
-        check_equal(product, want_product);
+        check_equal(by_terms, want_by_terms);
+        check_equal(products, want_products);
         check_equal(row, want_row);
         check_equal(fines, want_fines);
         check_equal(rest, want_rest);
