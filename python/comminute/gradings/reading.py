@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Literal
 
 from comminute._core import Grading, ParameterError
+from comminute.gradings.rows import Row
 from comminute.gradings.sieves import convert, sieve_size, unit_of
-from comminute.gradings.tables import Row, Table, read_table
+from comminute.gradings.tables import Table, read_table
 
 Top = Literal["error", "extend"]
 VALUES = ("percent_finer", "percent_retained", "percent_cumulative_retained", "mass_retained_g")
@@ -33,7 +34,7 @@ class SieveData:
     notes: tuple[str, ...]
     name: str
 
-    def grading(self, *, top: Top = "error", number: bool = False) -> Grading:
+    def grading(self, *, top: Top, number: bool) -> Grading:
         """Grading of these sieves; errors name the file and its rows."""
         try:
             return Grading.from_sieves(
@@ -51,9 +52,7 @@ class SieveData:
             raise ParameterError(message if message.startswith(self.name) else f"{self.name}: {message}") from None
 
 
-def read_grading(
-    path: str | os.PathLike[str], *, unit: str | None = None, top: Top = "error", number: bool = False
-) -> Grading:
+def read_grading(path: str | os.PathLike[str], *, unit: str | None, top: Top, number: bool) -> Grading:
     """Grading from a sieve table; see `Grading.read`."""
     return read_sieves(path, unit=unit).grading(top=top, number=number)
 
