@@ -122,7 +122,7 @@ def _hash(content: bytes) -> str:
 
 
 def _changes(data: Any) -> list[str]:
-    """What was changed in a dataset since it was written; takes the fingerprints out of its attributes.
+    """Tell what was changed in a dataset since it was written; takes the fingerprints out of its attributes.
 
     A file of version 0.1.0 has none, and nothing can be said of it.
     """
@@ -238,7 +238,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
 
 
 def _read(data: Any) -> tuple[list[str], Result]:
-    """What was changed in a dataset since it was written, and the result that it holds now."""
+    """Tell what was changed in a dataset since it was written, and give the result that it holds now."""
     changes = _changes(data)
     result = _result(data)
     if changes:

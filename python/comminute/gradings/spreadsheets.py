@@ -15,7 +15,8 @@ OTHER_KINDS = (".xls", ".ods")
 def spreadsheet_rows(path: Path) -> list[Row]:
     """Rows of the first sheet that are not empty, with their numbers in the sheet.
 
-    A row that begins with # is a comment. A formula counts by the value that the spreadsheet program last computed for it.
+    A row that begins with # is a comment. A formula counts by the value that a spreadsheet program last computed
+    for it.
 
     Parameters
     ----------

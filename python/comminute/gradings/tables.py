@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma"}
-MOST_BYTES = 16_000_000  # of a sieve table; anything larger is another kind of file
+MOST_BYTES = 16_000_000  # largest sieve table; anything larger is another kind of file
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True)
 class Table:
-    """Header and rows of a file; cells are text until a column is asked for as numbers."""
+    """Header and rows of a file; a cell is text until it is read as a number."""
 
     name: str
     header: Row
@@ -32,7 +32,7 @@ class Table:
     decimal_comma: bool
 
     def place(self, row: Row) -> str:
-        """Where a row stands, for messages."""
+        """Name of a row in messages: file and number."""
         return f"{self.name} row {row.number}"
 
     def columns(self) -> Iterator[tuple[int, str]]:
@@ -46,7 +46,7 @@ class Table:
         Raises
         ------
         ParameterError
-            Naming file, row, column and text.
+            For a cell that is no finite number; the message names file, row, column and text.
         """
         text = row.cells[column].strip()
         plain = text.removesuffix("%").rstrip()
@@ -89,7 +89,7 @@ def _text_table(path: Path) -> Table:
     try:
         text = raw.decode(encoding)
     except UnicodeDecodeError:
-        text = raw.decode("latin-1")  # what older spreadsheets write; only comments and units can differ
+        text = raw.decode("latin-1")  # older spreadsheets write it; only comments and units can differ
     if "\x00" in text:
         raise ParameterError(f"{path.name} is no text file (it holds zero bytes); save the table as CSV")
     lines = [

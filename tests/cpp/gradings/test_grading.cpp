@@ -437,7 +437,8 @@ TEST_CASE("bins and ends that make no grid are refused") {
         return fitting_grid(gap_graded(1.0, 0.1), Material{}, 10.0, GridOptions{0.02, bins, low, high});
     };
     for (const Index bins : {Index{-3}, Index{0}, Index{1}, Index{7}}) {
-        CHECK_REFUSED(refused(bins, {}, {}), "bins is " + std::to_string(bins) + "; it must be at least 8");
+        CHECK_REFUSED(refused(bins, {}, {}),
+                      ("bins is " + std::to_string(bins) + "; it must be at least 8").c_str());
     }
     CHECK_REFUSED(refused({}, 3.0, {}), "psi_min is 3 and psi_max is 0; psi_min must be less than psi_max");
     CHECK_REFUSED(refused({}, 3.0, 2.0), "psi_min is 3 and psi_max is 2; psi_min must be less than psi_max");
