@@ -9,8 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <comminute/comminute.hpp>
+#include <cstdio>
 #include <optional>
+#include <string>
 #include <vector>
+
+#include "simd/targets.hpp"
 
 namespace {
 
@@ -233,4 +237,26 @@ BENCHMARK(grading_solve)->Arg(250)->Arg(1000)->Arg(1024)->Arg(4000)->Unit(benchm
 BENCHMARK(state_solve)->Arg(64)->Arg(250)->Arg(1000)->Arg(4000)->Unit(benchmark::kMicrosecond);
 BENCHMARK(lattice_load)->Arg(10'000)->Arg(1'000'000)->Unit(benchmark::kMillisecond);
 
-BENCHMARK_MAIN();
+// Beside the options of Google Benchmark, `--vectors=AVX2` takes the vector loops of that instruction set.
+int main(int argc, char** argv) {
+    const std::string option = "--vectors=";
+    if (argc > 1 && std::string(argv[1]).rfind(option, 0) == 0) {
+        const std::string wanted = argv[1] + option.size();
+        std::int64_t set = 0;
+        for (std::int64_t rest = HWY_TARGETS & (hwy::SupportedTargets() | HWY_STATIC_TARGET); rest != 0;
+             rest &= rest - 1) {
+            if (wanted == hwy::TargetName(rest & -rest)) set = rest & -rest;
+        }
+        if (set == 0) {
+            std::fprintf(stderr, "%s: this build or this machine has no such instruction set\n", argv[1]);
+            return 1;
+        }
+        hwy::SetSupportedTargetsForTest(set);
+        std::copy(argv + 2, argv + argc, argv + 1);
+        --argc;
+    }
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+    benchmark::RunSpecifiedBenchmarks();
+    return 0;
+}

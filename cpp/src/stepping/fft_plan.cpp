@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "simd/multiversion.hpp"
+#include "simd/pairs.hpp"
 
 namespace comminute::detail {
 namespace {
@@ -90,16 +90,6 @@ std::vector<Index> ladder(Index bins) {
             lengths.push_back(factor * power);
             if (lengths.back() >= 2 * bins) return lengths;
         }
-    }
-}
-
-COMMINUTE_MULTIVERSION void multiply(double* z, const double* by, Index count) {
-    COMMINUTE_INDEPENDENT
-    for (Index q = 0; q < count; ++q) {
-        const double re = z[2 * q];
-        const double im = z[2 * q + 1];
-        z[2 * q] = re * by[2 * q] - im * by[2 * q + 1];
-        z[2 * q + 1] = re * by[2 * q + 1] + im * by[2 * q];
     }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "simd/loops.hpp"
+#include "simd/sums.hpp"
 
 namespace comminute::detail {
 namespace {
@@ -150,9 +151,9 @@ void SumStep::fall_along_rows(Index begin, Index end, Index bottom, Index first_
         }
         for (; i < end; ++i) {
             for (Index a = 0; a < terms; ++a) {
-                add_scaled(factor(first_lane + i - begin, a, last), power + a * table_.stride,
-                           to.row(i) + from, count);
+                factors_[static_cast<std::size_t>(a)] = factor(first_lane + i - begin, a, last);
             }
+            add_terms(factors_.data(), {power, table_.stride}, terms, to.row(i) + from, count);
         }
     }
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "simd/loops.hpp"
+#include "simd/pairs.hpp"
 
 namespace comminute::detail {
 namespace {
