@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bindings.hpp"
+#include "rooms.hpp"
 
 using namespace comminute;
 
@@ -155,11 +155,11 @@ Examples
 Parameters
 ----------
 median : float
-    Of the uncut law.
+    Median of the uncut law, > 0.
 sd_log : float
     Standard deviation of ln(size), > 0.
 largest : float, optional
-    Where it is cut off; left out: 4 standard deviations above the median, and `notes` says so.
+    Size at which it is cut off; left out: 4 standard deviations above the median, and `notes` says so.
 
 Returns
 -------
@@ -187,7 +187,7 @@ d63 : float
 exponent : float
     > 0.
 largest : float, optional
-    Where it is cut off; left out: where 0.01 % would be coarser, and `notes` says so.
+    Size at which it is cut off; left out: where 0.01 % would be coarser, and `notes` says so.
 
 Returns
 -------
