@@ -31,7 +31,7 @@ py::array_t<double> strict_array(const py::object& object, const std::vector<py:
         throw comminute::ShapeError(label + " has shape " + shape_text(array.shape(), dimensions) + "; " +
                                     needed_by + " needs " + shape_text(shape.data(), shape.size()));
     }
-    const int wanted = py::array::c_style | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
+    const int wanted = int{py::array::c_style} | int{py::detail::npy_api::NPY_ARRAY_ALIGNED_};
     if ((array.flags() & wanted) != wanted) {
         throw comminute::ShapeError(
             label + " is not a C-ordered (row after row) array; make one with np.ascontiguousarray(" + label +

@@ -89,15 +89,24 @@ py::tuple points(const Grading& grading, Index count) {
     return py::make_tuple(copied(curve.size), copied(curve.finer_than), curve.tail_slope);
 }
 
+const char* top_word(const SieveOptions& options) {
+    return options.extend_top ? "extend" : "error";
+}
+
 }  // namespace
 
 void register_grading(py::module_& m) {
+    using namespace py::literals;
+    const SieveOptions standard;
+    tell_defaults(
+        m, "from_sieves",
+        py::dict("unit"_a = standard.unit, "top"_a = top_word(standard), "number"_a = standard.by_number));
     py::class_<Grading>(m, "Grading", R"doc(How much of the mass is finer than each size, at the start.
 
 Made by `monodisperse`, `gap_graded`, `power_law` or `Grading.from_sieves`. Immutable.)doc")
         .def_static("from_sieves", &from_sieves, py::arg("size"), py::arg("percent_finer"),
-                    py::arg("unit") = "mm", py::kw_only(), py::arg("top") = "error",
-                    py::arg("number") = false, py::arg("places") = std::vector<std::string>{},
+                    py::arg("unit") = standard.unit, py::kw_only(), py::arg("top") = top_word(standard),
+                    py::arg("number") = standard.by_number, py::arg("places") = std::vector<std::string>{},
                     py::arg("if_retained") = "", py::arg("notes") = std::vector<std::string>{},
                     R"doc(A measured curve: linear in ln(size) between sieves.
 
@@ -149,8 +158,8 @@ Examples
                 const auto read = py::module_::import("comminute.gradings.reading").attr("read_grading");
                 return read(path, py::arg("unit") = unit, py::arg("top") = top, py::arg("number") = number);
             },
-            py::arg("path"), py::kw_only(), py::arg("unit") = py::none(), py::arg("top") = "error",
-            py::arg("number") = false,
+            py::arg("path"), py::kw_only(), py::arg("unit") = py::none(), py::arg("top") = top_word(standard),
+            py::arg("number") = standard.by_number,
             R"doc(A measured curve from a sieve table: .csv, .txt, .tsv, or .xlsx with the extra `xlsx`.
 
 The header names a size column, `size_mm` (or um, cm, m, in), `phi`, or `sieve` (ASTM E11 numbers and
@@ -179,7 +188,7 @@ Raises
 ParameterError
     Naming file, row, column and value, the rule, and what to do.
 ImportError
-    For .xlsx where pandas or openpyxl is missing.
+    For .xlsx where openpyxl is missing.
 
 Examples
 --------

@@ -48,21 +48,40 @@ Examples
 >>> fabric.cdf()[-1].round(12)
 np.float64(1.0)
 )doc");
-    m.def("fitting_grid", &fitting_grid, py::arg("grading"), py::arg("material"), py::arg("max_stress_ratio"),
-          py::kw_only(), py::arg("spacing") = 0.02,
-          R"doc(A grid that fits a grading and the loads to come.
+    using namespace py::literals;
+    const GridOptions standard;
+    tell_defaults(m, "fitting_grid",
+                  py::dict("spacing"_a = standard.spacing, "bins"_a = standard.bins,
+                           "psi_min"_a = standard.psi_min, "psi_max"_a = standard.psi_max));
+    m.def(
+        "fitting_grid",
+        [](const Grading& grading, const Material& material, double max_stress_ratio, double spacing,
+           std::optional<Index> bins, std::optional<double> psi_min, std::optional<double> psi_max) {
+            return fitting_grid(grading, material, max_stress_ratio,
+                                GridOptions{spacing, bins, psi_min, psi_max});
+        },
+        py::arg("grading"), py::arg("material"), py::arg("max_stress_ratio"), py::kw_only(),
+        py::arg("spacing") = standard.spacing, py::arg("bins") = standard.bins,
+        py::arg("psi_min") = standard.psi_min, py::arg("psi_max") = standard.psi_max,
+        R"doc(A grid that fits a grading and the loads to come.
 
 Its top edge is at the largest grain (point masses sit on bin centres), its fines bin below the
-finest grains and below the crush zone of the largest load, with room for their fragments.
+finest grains and below the crush zone of the largest load, with room for their fragments. Bins or
+ends may be given; the rest is then chosen to suit them.
 
 Parameters
 ----------
 grading : Grading
 material : Material
 max_stress_ratio : float
-    Largest load to come, >= 0 and finite.
+    Largest load to come, >= 0; finite, unless bins and both ends are given.
 spacing : float
-    Wanted bin width in psi; the grid's is no larger, unless that would take more than 2000 bins.
+    Wanted bin width in psi; the grid's is no larger, unless that would take more than 2000 bins or
+    `bins` is given.
+bins : int, optional
+    Number of bins, >= 8.
+psi_min, psi_max : float, optional
+    Log sizes at the centres of the fines bin and of the last bin.
 
 Returns
 -------
@@ -71,7 +90,7 @@ LogGrid
 Raises
 ------
 ParameterError
-    For a load or spacing outside its range.
+    For a load, spacing, number of bins or end outside its range.
 
 Examples
 --------
@@ -79,6 +98,8 @@ Examples
 >>> grid = cm.fitting_grid(cm.monodisperse(1.0), cm.Material(), 1e4)
 >>> grid.psi_max, grid.psi_min < -9.2
 (0.0, True)
+>>> cm.fitting_grid(cm.gap_graded(1.0, 0.1), cm.Material(), 1e4, bins=256).bins
+256
 )doc");
     m.def(
         "_curve_on_grid",
