@@ -83,7 +83,7 @@ void copy_state(benchmark::State& state) {
 void slow_update(benchmark::State& state) {
     const Index bins = state.range(0);
     const auto grid = grid_of(bins);
-    comminute::SlowUpdate engine(grid, comminute::Material{});
+    comminute::SlowUpdate engine(grid, comminute::Material{}, {comminute::Scheme::paper});
     auto before = copy_of(start_on(grid));
     const double factor = std::pow(load, 1.0 / 199.0);
     double stress_ratio = 1.0;
@@ -112,7 +112,8 @@ void slow_update(benchmark::State& state) {
 }
 
 comminute::FullConvolution exact_step(const comminute::LogGrid& grid, comminute::StepPath path) {
-    return comminute::FullConvolution({grid, comminute::Material{}, comminute::KernelKind::exact}, path);
+    const comminute::KernelOptions exact{comminute::KernelKind::exact, 0.0, comminute::Scheme::paper};
+    return {grid, comminute::Material{}, {exact, path}};
 }
 
 // A complex line there and back at 5 L log2 L each, and its product with the filter's spectrum.

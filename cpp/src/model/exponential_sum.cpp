@@ -52,10 +52,10 @@ std::vector<double> weibull_polynomial(double rate, std::size_t terms) {
     return sum;
 }
 
-// Factor of exp(-rate m h) that a term b exp(rate r) of the cdf gives to f_m, under either rule; r is the log of size over
-// parent size.
-double on_bins(double b, double rate, double h, FragmentRule rule) {
-    if (rule == FragmentRule::paper) return b * std::expm1(rate * h);
+// Factor of exp(-rate m h) that a term b exp(rate r) of the cdf gives to f_m, under either scheme; r is the log of size
+// over parent size.
+double on_bins(double b, double rate, double h, Scheme scheme) {
+    if (scheme == Scheme::paper) return b * std::expm1(rate * h);
     const double s = std::sinh(0.5 * rate * h);
     return b * 4.0 * s * s / (rate * h);
 }
@@ -103,14 +103,14 @@ bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
     return largest > 0.0 && worst <= most;
 }
 
-ExponentialSum sum_of(const PowerLawFragments& law, double h, const FragmentPmf& pmf, FragmentRule rule) {
+ExponentialSum sum_of(const PowerLawFragments& law, double h, const FragmentPmf& pmf, Scheme scheme) {
     ExponentialSum sum;
-    sum.coefficient = {on_bins(1.0, law.exponent, h, rule)};
+    sum.coefficient = {on_bins(1.0, law.exponent, h, scheme)};
     sum.decay = {law.exponent * h};
     return accurate(sum, pmf) ? sum : ExponentialSum{};
 }
 
-ExponentialSum sum_of(const WeibullFragments& law, double h, const FragmentPmf& pmf, FragmentRule rule) {
+ExponentialSum sum_of(const WeibullFragments& law, double h, const FragmentPmf& pmf, Scheme scheme) {
     const double rate = std::pow(law.scale, -law.shape);
     ExponentialSum sum;
     if (rate > longest_rate) {
@@ -126,7 +126,7 @@ ExponentialSum sum_of(const WeibullFragments& law, double h, const FragmentPmf& 
         sum.decay.resize(terms);
         for (std::size_t a = 0; a < terms; ++a) {
             const double decay = law.shape * static_cast<double>(a + 1);
-            sum.coefficient[a] = on_bins(share * polynomial[a], decay, h, rule);
+            sum.coefficient[a] = on_bins(share * polynomial[a], decay, h, scheme);
             sum.decay[a] = decay * h;
         }
         if (accurate(sum, pmf)) return sum;
@@ -135,15 +135,15 @@ ExponentialSum sum_of(const WeibullFragments& law, double h, const FragmentPmf& 
 }
 
 template <class Law>
-ExponentialSum sum_of(const Law&, double, const FragmentPmf&, FragmentRule) {
+ExponentialSum sum_of(const Law&, double, const FragmentPmf&, Scheme) {
     return {};
 }
 
 }  // namespace
 
 ExponentialSum exponential_sum(const FragmentLaw& law, double spacing, const FragmentPmf& pmf,
-                               FragmentRule rule) {
-    return std::visit([&](const auto& l) { return sum_of(l, spacing, pmf, rule); }, law);
+                               Scheme scheme) {
+    return std::visit([&](const auto& l) { return sum_of(l, spacing, pmf, scheme); }, law);
 }
 
 }  // namespace comminute

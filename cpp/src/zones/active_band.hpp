@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "comminute/criterion.hpp"
-#include "comminute/quasi_static.hpp"
+#include "comminute/material.hpp"
+#include "comminute/scheme.hpp"
 #include "zones/shell_zone.hpp"
 
 namespace comminute::detail {
