@@ -9,13 +9,13 @@ namespace comminute::detail {
 
 /// A line of the state that is to be spread: how much mass it pushes, from which bins, and where what lands is
 /// added.
-struct Line {
+struct PushedLine {
     double pushed = 0.0;
     Index finest = 0;
     Index coarsest = -1;  ///< -1 for a line without mass
     double* to = nullptr;
 };
-using LinePair = std::array<Line, 2>;
+using LinePair = std::array<PushedLine, 2>;
 
 inline Index finest(const LinePair& lines) {
     return lines[0].finest < lines[1].finest ? lines[0].finest : lines[1].finest;

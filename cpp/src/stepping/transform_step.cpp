@@ -25,7 +25,8 @@ TransformStep::TransformStep(const Kernel& kernel, PlanEffort effort)
       reach_(static_cast<std::size_t>(kernel.grid().bins())) {}
 
 // Puts a share of a run's mass on a line of the pair, which it opens if need be.
-void TransformStep::push(Line*& line, double* to, double share, const double* mass, const ZoneRun& run) {
+void TransformStep::push(PushedLine*& line, double* to, double share, const double* mass,
+                         const ZoneRun& run) {
     if (share == 0.0) return;
     if (line == nullptr) {
         line = &lines_[line_count_++];
@@ -43,8 +44,8 @@ void TransformStep::split_row(const Kernel& kernel, Index i, const std::vector<Z
     double* grain = psi_crushing_.data() + i * stride_;
     std::fill_n(grain, runs.empty() ? 0 : lanes_up(runs.back().end), 0.0);
     reach_[static_cast<std::size_t>(i)] = 0;
-    Line* neighbour = nullptr;
-    Line* both = nullptr;
+    PushedLine* neighbour = nullptr;
+    PushedLine* both = nullptr;
     for (const ZoneRun& whole : runs) {
         const ZoneRun run = trimmed(whole, rest);
         if (run.begin == run.end) continue;

@@ -28,7 +28,7 @@ class TransformStep {
     };
 
     void split_row(const Kernel& kernel, Index i, const std::vector<ZoneRun>& runs, double* rest);
-    void push(Line*& line, double* to, double share, const double* mass, const ZoneRun& run);
+    void push(PushedLine*& line, double* to, double share, const double* mass, const ZoneRun& run);
     void spread_pair(Index q);
     void spread_lines();
     Gathered gather(Index begin);

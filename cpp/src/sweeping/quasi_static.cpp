@@ -3,61 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "fabric/fabric_access.hpp"
+#include "sweeping/band_sweep.hpp"
 #include "sweeping/blend_sweep.hpp"
+#include "sweeping/marginal.hpp"
 #include "sweeping/point_sweep.hpp"
 
 namespace comminute {
 
 using namespace detail;
-
-namespace {
-
-std::vector<double> row_sums(MatrixView<const double> state) {
-    std::vector<double> sums(static_cast<std::size_t>(state.rows()));
-    for (Index i = 0; i < state.rows(); ++i) {
-        sums[static_cast<std::size_t>(i)] = ConstLine(state.row(i), state.cols()).sum();
-    }
-    return sums;
-}
-
-// Takes the crushed mass out of each bin of a marginal and adds it where its fragments lie: one line of the sweep.
-void move_fragments(const CrushTable& table, const std::vector<double>& crushed,
-                    std::vector<double>& marginal) {
-    for (std::size_t i = 0; i < marginal.size(); ++i) marginal[0] += crushed[i] * table.below[i];
-    const Index bins = table.bins;
-    Eigen::ArrayXd sums = Eigen::ArrayXd::Zero(table.terms);
-    Index shell = 0;  // of a block
-    for (Index i = bins - 1; i >= 1; --i, ++shell) {
-        double landed = 0.0;
-        for (Index m = std::min(table.head, bins - 1 - i); m >= 1; --m) {
-            landed += table.mass[static_cast<std::size_t>(m)] * crushed[static_cast<std::size_t>(i + m)];
-        }
-        if (table.terms > 0) {
-            if (shell == table.shells_a_block) {
-                sums *= ConstLine(table.block_decay.data(), table.terms);
-                sums = (sums.abs() > 1e-290).select(sums, 0.0);
-                shell = 0;
-            }
-            const Index entering = i + table.head + 1;
-            if (entering < bins) {
-                sums += crushed[static_cast<std::size_t>(entering)] *
-                        ConstLine(table.entering_at(shell), table.terms);
-            }
-            landed += (sums * ConstLine(table.falling_at(shell), table.terms)).sum();
-        }
-        // Where all of a bin crushes the difference is nothing, and what is below 0 is rounding.
-        double& mass = marginal[static_cast<std::size_t>(i)];
-        mass = std::max(mass + landed - crushed[static_cast<std::size_t>(i)], 0.0);
-    }
-}
-
-}  // namespace
 
 struct QuasiStatic::Work {
     LogGrid grid;
@@ -138,8 +96,8 @@ struct QuasiStatic::Work {
     }
 
     /// Brings the bins to rest. `rows`, where it is wanted, is their marginal before and after.
-    SolveReport settle(MatrixView<const double> state, const std::vector<OuterProduct>& arrivals,
-                       std::vector<double>* rows, MatrixView<double>* out) {
+    SolveReport settle(MatrixView<const double> state, const Arrivals& arrivals, std::vector<double>* rows,
+                       MatrixView<double>* out) {
         SolveReport report;
         if (rate > 0.0) {
             scratch.resize(out == nullptr ? static_cast<std::size_t>(grid.bins() * grid.bins()) : 0);
@@ -156,8 +114,8 @@ struct QuasiStatic::Work {
         const CrushTable& by = table();
         sweep.run(by, before, after, state, arrivals, out);
         require_finite(state, sweep.crushed() + sweep.crushed_neighbour());
-        if (out != nullptr) sweep.far_field(by, state, arrivals, *out);
-        if (rows != nullptr) move_marginal(by, arrivals, *rows);
+        if (out != nullptr) sweep.far_field(state, arrivals, *out);
+        if (rows != nullptr) move_marginal(by, arrivals, sweep.crushed_rows(), *rows);
         report.path = by.terms > 0 ? SolvePath::sums : SolvePath::direct;
         report.terms = by.terms > 0 ? static_cast<Index>(sum.coefficient.size()) : 0;
         report.head = by.head;
@@ -165,15 +123,6 @@ struct QuasiStatic::Work {
         report.crushed = sweep.crushed() / leaves;
         report.crushed_neighbour = sweep.crushed_neighbour() / leaves;
         return report;
-    }
-
-    void move_marginal(const CrushTable& by, const std::vector<OuterProduct>& arrivals,
-                       std::vector<double>& rows) const {
-        for (const OuterProduct& from : arrivals) {
-            const double partners = std::accumulate(from.psibar.begin(), from.psibar.end(), 0.0);
-            for (std::size_t i = 0; i < rows.size(); ++i) rows[i] += from.psi[i] * partners;
-        }
-        move_fragments(by, sweep.crushed_rows(), rows);
     }
 
     /// Everything but the numbers of the bins, which go to `out` where that is given.
