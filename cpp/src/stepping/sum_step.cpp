@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Running sums along tiles of rows, then of columns (docs/theory/one_sweep.md, sections 7 and 13).
 #include "stepping/sum_step.hpp"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Many states on several threads, each by the same sweep (docs/theory/one_sweep.md, section 14).
 #include "comminute/batch.hpp"
 
 #include <algorithm>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The quasi-static solver: zones for its loads, choice of the path, parts of a solve (docs/theory/one_sweep.md,
+// section 2).
 #include "comminute/quasi_static.hpp"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The table of shares, filled a pack of shells at a time (docs/theory/one_sweep.md, section 3).
 #include "zones/active_band.hpp"
 
 #include <algorithm>

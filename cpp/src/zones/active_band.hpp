@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Active shares of all cells under one load (docs/theory/one_sweep.md, section 3).
 #pragma once
 
 #include <vector>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Crushing criterion and crush zones, tested at exact places and bin centres (docs/theory/one_sweep.md, section 1).
 #include "comminute/criterion.hpp"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Integrals of the zone over cells, several shells side by side (docs/theory/one_sweep.md, section 3).
 #include "zones/shell_zone.hpp"
 
 #include <algorithm>

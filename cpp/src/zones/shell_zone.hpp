@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Part of a cell that lies inside the zone, exactly (docs/theory/one_sweep.md, section 3).
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Runs of one row from the zones of the shells it crosses (docs/theory/one_sweep.md, section 13).
 #include "zones/zone_runs.hpp"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Active cells of a row as runs of one zone, for the engines that step (docs/theory/one_sweep.md, section 13).
 #pragma once
 
 #include <vector>
