@@ -27,17 +27,17 @@ struct QuasiStatic::Work {
     SolvePath path;
     FragmentPmf fragments;
     ExponentialSum sum;
-    double leaves;  // 1 - f_0, the share of one crush that leaves the bin
+    double leaves;  // 1 - f_0, share of one crush that leaves its bin
     CrushTable bin_by_bin;
     CrushTable by_sums;
     ActiveBand before;
     ActiveBand after;
-    double load_before = 0.0;  // of the zones at hand
+    double load_before = 0.0;  // loads of these two bands
     double load_after = 0.0;
     BandSweep sweep;
     BlendSweep blend;
     PointSweep points;
-    std::vector<double> scratch;  // a state that nobody asked for
+    Array<double> scratch;  // (N, N) the blend's state after a solve that wants the grading alone
 
     Work(const LogGrid& g, const Material& m, Scheme s, double loading_rate, SolvePath p)
         : grid(g),
@@ -60,8 +60,8 @@ struct QuasiStatic::Work {
         return scheme == Scheme::paper ? FragmentRule::paper : FragmentRule::conservative;
     }
 
-    // A zone costs as much as a small sweep, so what is at hand stays: the same loads for many states, or, where a state
-    // goes on from the load before, the zone that it settled in.
+    // Zones cost as much as a small sweep, so they are kept from one solve to the next: for many states under the same
+    // loads, and for a load path, whose next solve starts in the zone in which the last one ended.
     void set_loads(std::optional<double> settled_at, double stress_ratio) {
         const double settled = settled_at.value_or(0.0);
         if (settled != load_before) {
@@ -97,12 +97,14 @@ struct QuasiStatic::Work {
             "the state's masses add up to more than a number can hold; scale it to a total of 1");
     }
 
-    /// Brings the bins to rest. `rows`, where it is wanted, is their marginal before and after.
+    /// Brings the bins to rest.
+    /// @param rows  (N) mass by grainsize before, replaced by that after; null where it is not wanted
+    /// @param out   (N, N) state after; null where it is not wanted
     SolveReport settle(MatrixView<const double> state, const Arrivals& arrivals, std::vector<double>* rows,
                        MatrixView<double>* out) {
         SolveReport report;
         if (rate > 0.0) {
-            scratch.resize(out == nullptr ? static_cast<std::size_t>(grid.bins() * grid.bins()) : 0);
+            scratch.resize(out == nullptr ? grid.bins() * grid.bins() : 0);
             const MatrixView<double> to =
                 out != nullptr ? *out : MatrixView<double>(scratch.data(), grid.bins(), grid.bins());
             blend.run(before, after, state, arrivals, to);
@@ -127,7 +129,7 @@ struct QuasiStatic::Work {
         return report;
     }
 
-    /// Everything but the numbers of the bins, which go to `out` where that is given.
+    /// Brings points and bins to rest. Returns all data of the fabric after but its bins, which go to `out`.
     FabricAccess::Data settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
                               SolveReport& report) {
         set_loads(state.settled_at(), stress_ratio);
@@ -159,9 +161,7 @@ struct QuasiStatic::Work {
         return scheme == Scheme::paper ? state.binned() : state;
     }
 
-    std::vector<double> new_state() const {
-        return std::vector<double>(static_cast<std::size_t>(grid.bins() * grid.bins()));
-    }
+    std::vector<double> new_state() const { return Array<double>(grid.bins() * grid.bins()).vector(); }
 };
 
 QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, Scheme scheme, double loading_rate,

@@ -7,7 +7,7 @@
 namespace comminute::detail {
 
 ZoneRuns::ZoneRuns(const CrushZones& zones) : zones_(zones) {
-    runs_.reserve(static_cast<std::size_t>(zones.grid().bins()));
+    runs_.reserve(zones.grid().bins());
     set_load();
 }
 
@@ -20,8 +20,8 @@ void ZoneRuns::add(Index begin, Index end, Zone zone) {
     if (begin < end) runs_.push_back({begin, end, zone});
 }
 
-// Towards finer neighbours the row's own shell decides, and either zone is one interval; towards coarser ones each
-// cell's shell does.
+// Cells with a finer neighbour belong to the row's own shell, so that either zone is one interval of them. A cell with a
+// coarser neighbour belongs to the shell of its column.
 const std::vector<ZoneRun>& ZoneRuns::of_row(Index i) {
     runs_.clear();
     const Index both = i - std::max(zones_.overlap(i), Index{0});
@@ -36,7 +36,7 @@ const std::vector<ZoneRun>& ZoneRuns::of_row(Index i) {
         }
         if (zone != Zone::rest) add(begin, j, zone);
     }
-    return runs_;
+    return runs_.vector();
 }
 
 }  // namespace comminute::detail

@@ -4,11 +4,13 @@
 
 #include <vector>
 
+#include "base/arrays.hpp"
 #include "comminute/criterion.hpp"
 
 namespace comminute::detail {
 
-/// Cells of a row side by side that lie in one zone and do the same; none of them is the diagonal cell with others.
+/// Cells of a row, side by side, that lie in one zone and crush alike. The diagonal cell, where either grain may crush,
+/// is a run of its own.
 struct ZoneRun {
     Index begin;
     Index end;
@@ -23,7 +25,7 @@ class ZoneRuns {
     ZoneRuns(const ZoneRuns&) = delete;
     ZoneRuns& operator=(const ZoneRuns&) = delete;
 
-    /// To be called once the zones have another load.
+    /// Reads the zones again; must be called after they have moved to another load.
     void set_load();
     /// The runs of row i, fine to coarse; valid until the next call.
     const std::vector<ZoneRun>& of_row(Index i);
@@ -32,8 +34,8 @@ class ZoneRuns {
     void add(Index begin, Index end, Zone zone);
 
     const CrushZones& zones_;
-    Index widest_ = -1;  // distance |i - j| that is active
-    std::vector<ZoneRun> runs_;
+    Index widest_ = -1;  // largest active distance |i - j|
+    Array<ZoneRun> runs_;
 };
 
 }  // namespace comminute::detail
