@@ -36,7 +36,7 @@ double BandSweep::crush_diagonal(Index m, double there, const Arrivals& arrivals
     double landed = columns_.arrive_on_diagonal(m) + rows_.arrive_on_diagonal(m);
     if (m == 0) landed = columns_.fines(0) + rows_.fines(0);
     for (const OuterProduct& from : arrivals) landed += from.psi[m] * from.psibar[m];
-    const double half = 0.5 * crush_cell(shares_.diagonal(), there, landed, rest);
+    const double half = 0.5 * shares_.diagonal().divide(there, landed, rest);
     for (LinesInFlight* lines : {&columns_, &rows_}) {
         *lines->pushed(m, m) = half;
         lines->fines()[m] += half * walk_.table().below[m];

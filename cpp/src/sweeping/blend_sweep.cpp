@@ -48,9 +48,7 @@ void BlendSweep::visit(Index i, Index j, MovingShares share, MatrixView<const do
     const double waiting = pending(j)[i];
     if (waiting != 0.0) spread(waiting, j, true, row(i));
     const double landed = row(i)[j] + column(j)[i];
-    const double there = state(i, j);
-    const double moving = (share.settled != 0.0 ? there * share.settled : 0.0) + landed * share.arrived;
-    out(i, j) = there * (1.0 - share.settled) + landed * (1.0 - share.arrived);
+    const double moving = share.divide(state(i, j), landed, &out(i, j));
     if (moving != 0.0) crush(i, j, moving);
 }
 

@@ -30,14 +30,6 @@ bool equal_sizes(double a, double b) {
            8.0 * std::numeric_limits<double>::epsilon() * std::max({1.0, std::abs(a), std::abs(b)});
 }
 
-// Moves the active part of the mass in one part of a bin. `settled` becomes the mass that stays.
-double take_active(double before, double after, double& settled, double arrived) {
-    const MovingShares moving = moving_shares(before, after);
-    const double moved = settled * moving.settled + arrived * moving.arrived;
-    settled = settled * (1.0 - moving.settled) + arrived * (1.0 - moving.arrived);
-    return moved;
-}
-
 }  // namespace
 
 PointSweep::PointSweep(const LogGrid& grid, const Material& material, FragmentPmf fragments, double rate)
@@ -207,8 +199,10 @@ void PointSweep::crush_ridge(const Place& place, RidgeMass& ridge) {
         if (settled.sum() + arrived.sum() == 0.0) continue;
         const Parts before = active(zone_before, at, j);
         const Parts after = active(zone_after, at, j);
-        const double above = take_active(before.above, after.above, settled.above, arrived.above);
-        const double below = take_active(before.below, after.below, settled.below, arrived.below);
+        const double above =
+            moving_shares(before.above, after.above).divide(settled.above, arrived.above, &settled.above);
+        const double below =
+            moving_shares(before.below, after.below).divide(settled.below, arrived.below, &settled.below);
         if (above > 0.0) crush_above(above, j, place, ridge);
         if (below > 0.0) crush_below(below, j, place);
     }

@@ -75,7 +75,7 @@ double ShellArms::landed_in_fines(const Side& side, Index m) const {
 }
 
 double ShellArms::crush_fines(Side& side, Index m, double there, double* rest) {
-    const double moved = crush_cell(shares_.fines(), there, landed_in_fines(side, m), rest);
+    const double moved = shares_.fines().divide(there, landed_in_fines(side, m), rest);
     *side.lines.pushed(m, 0) = moved;
     side.lines.fines()[0] += moved * walk_.table().below[m];
     return moved;

@@ -9,14 +9,6 @@
 
 namespace comminute::detail {
 
-/// Moves the active part `moving` of a cell by the cell's shares, and writes what stays.
-/// @param rest  out: mass that stays; null to skip
-/// @return      mass that moves; settled mass counts only where its share is not 0, so that it may be anything outside
-inline double crush_cell(MovingShares share, double there, double landed, double* rest) {
-    if (rest != nullptr) *rest = there * (1.0 - share.settled) + landed * (1.0 - share.arrived);
-    return (share.settled != 0.0 ? there * share.settled : 0.0) + landed * share.arrived;
-}
-
 /// Both arms of the current shell m: (m, j < m), whose mass falls down the columns and which the line of row m crosses,
 /// and (i < m, m), whose mass falls along the rows and which the line of column m crosses. Each ends in a fines cell
 /// where the band reaches bin 0.

@@ -10,6 +10,15 @@ namespace comminute::detail {
 struct MovingShares {
     double settled = 0.0;  ///< of the mass that had come to rest in the cell under the load before
     double arrived = 0.0;  ///< of the mass that lands in the cell during the solve
+
+    /// Divides the mass of the cell into the part that moves, returned, and the part that stays.
+    /// @param there   mass that was there before; may be infinite or NaN where its share is 0
+    /// @param landed  mass that has landed
+    /// @param rest    out: mass that stays; null to skip
+    double divide(double there, double landed, double* rest) const {
+        if (rest != nullptr) *rest = there * (1.0 - settled) + landed * (1.0 - arrived);
+        return (settled != 0.0 ? there * settled : 0.0) + landed * arrived;
+    }
 };
 
 /// Shares for a cell whose part inside the zone grows from `before` to `after`, both in [0, 1].
