@@ -8,15 +8,17 @@
 
 namespace comminute {
 
-/// How long FFTW may look for fast plans when an engine is made: milliseconds, or (measure) seconds, for a somewhat
-/// faster step.
-enum class PlanEffort { estimate, measure };
+/// Effort of FFTW's planner when an engine is made.
+enum class PlanEffort {
+    estimate,  ///< milliseconds
+    measure,   ///< seconds, for a somewhat faster step
+};
 
-/// By what means a step spreads mass.
+/// Means by which a step spreads mass.
 enum class StepPath {
     automatic,   ///< sums where the fragments' law has them, else transforms
     transforms,  ///< FFTW, any law, O(N^2 log N)
-    sums,  ///< K running sums a line, O(K N^2): a law that is a sum of K exponentials from its first bin on
+    sums,        ///< running sums, O(K N^2), for a law that is a sum of K exponentials from its first bin on
 };
 
 /// Choices of a FullConvolution: those of its kernel, and how it is computed.
@@ -33,11 +35,11 @@ struct FullConvolutionOptions : KernelOptions {
 /// With the mass masked by what crushes into a (psi), b (psibar) and c (both), the step is
 /// p' = rest + f *_psi (a + f *_psibar c) + f *_psibar b. Mass at rest is not touched.
 ///
-/// By running sums, which meet f to 2e-14 of its largest entry, a step takes a fraction of the time of FFTW's; the
-/// report's `terms` is K then, and 0 where FFTW was at work. There two lines share a complex transform, the shortest that
-/// keeps both linear, and lines without mass take none. FFT noise is removed line by line: nothing where no fragment can
-/// land (above a line's coarsest source, and in that bin too where no fragment stays in its bin), no negative entry, and
-/// the fines bin takes what was crushed less what landed (a deficit there is taken from the line's largest entry).
+/// Running sums meet f to 2e-14 of its largest entry and take a fraction of FFTW's time; the report's `terms` is K then,
+/// and 0 for a step by FFTW. In the latter two lines share a complex transform, the shortest that keeps both linear, and
+/// lines without mass take none. FFT noise is removed line by line: bins where no fragment can land are set to 0 (above a
+/// line's coarsest source, and in that bin too where no fragment stays in its bin), so are negative entries, and the fines
+/// bin takes the mass crushed less the mass landed (a deficit there is taken from the line's largest entry).
 ///
 /// Owns its workspace (about one state); one object per thread. A copy has a workspace of its own and shares FFTW's plans,
 /// which never change, so it costs no planning. A step allocates nothing.

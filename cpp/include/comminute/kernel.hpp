@@ -6,7 +6,7 @@
 
 namespace comminute {
 
-/// Which crushing a step lets happen at once.
+/// Rules for the crushes of one step.
 enum class KernelKind {
     exact,  ///< Eq. 59: each grain by its own zone, both in zone 11
     slow,   ///< Eq. 63 (cases by size put right): the larger grain alone, half of each among equals
@@ -24,7 +24,7 @@ struct KernelOptions {
     }
 };
 
-/// Shares of an active cell's mass by what crushes in one step; they add up to 1.
+/// Shares of an active cell's mass that crush in psi alone, in psibar alone and in both in one step; their sum is 1.
 struct CrushShares {
     double grain = 0.0;      ///< psi alone
     double neighbour = 0.0;  ///< psibar alone
@@ -76,8 +76,9 @@ struct StepReport {
     double active = 0.0;   ///< mass inside the zone when the last step began
     double crushed = 0.0;  ///< mass crushed in psi, every crush counted, those that stay in their bin too
     double crushed_neighbour = 0.0;  ///< the same in psibar
-    Index steps = 0;
-    Index terms = 0;  ///< of the exponential sum by which the last step spread mass; 0: by other means
+    Index steps = 0;                 ///< number of steps
+    Index terms =
+        0;  ///< K, terms of the exponential sum with which the last step spread mass; 0 if without one
 };
 
 }  // namespace comminute

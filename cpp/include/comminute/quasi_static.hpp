@@ -12,12 +12,12 @@
 
 namespace comminute {
 
-/// How a solve adds up the fragments.
+/// Ways in which a solve adds up the fragments.
 enum class SolvePath {
-    automatic,  ///< whichever of the next two costs less for this law and this zone
+    automatic,  ///< the cheaper of the next two for this law and this zone
     direct,     ///< bin by bin along the zone's width
-    sums,       ///< running sums of the law's exponential sum, for its tail beyond `head` bins
-    blend,      ///< only reported: what a loading rate above 0 takes, bin by bin over the whole state
+    sums,       ///< running sums of the law's exponential sum, for reductions beyond its head
+    blend,      ///< only reported: bin by bin over the whole state, the path of a loading rate above 0
     none,       ///< only reported: nothing had to move
 };
 
@@ -34,8 +34,8 @@ struct QuasiStaticOptions {
 /// Report of one solve: its path and its crushed mass. Masses are shares of the whole.
 struct SolveReport {
     SolvePath path = SolvePath::none;
-    Index terms = 0;         ///< K, of the exponential sum; 0 on a path that takes none
-    Index head = 0;          ///< reductions of up to so many bins were added one by one
+    Index terms = 0;         ///< K, number of terms of the exponential sum; 0 on a path without one
+    Index head = 0;          ///< H, largest reduction in bins that was added without the sum
     double fit_error = 0.0;  ///< largest error of the sum, as a share of the largest fragment bin
     double crushed = 0.0;    ///< mass crushed in psi, every crush counted, those that stay in their bin too
     double crushed_neighbour = 0.0;  ///< the same in psibar
@@ -44,20 +44,21 @@ struct SolveReport {
 /// Grading after a solve, without the state.
 struct Marginal {
     std::vector<double> grainsize;  ///< (N) mass by bin, point masses in theirs
-    std::vector<PointMass> points;  ///< what of it is still at an exact size, fine to coarse
+    std::vector<PointMass> points;  ///< the part of it that is still at exact sizes, fine to coarse
     SolveReport report;
 };
 
 /// The state to which infinitely slow loading leads, in one sweep from coarse to fine.
 ///
-/// Under the slow rule (Eq. 63) what a packet of mass does depends on its place alone; the load only decides whether
+/// Under the slow rule (Eq. 63) the move of a packet of mass depends on its place alone; the load only decides whether
 /// it must move, and zones only grow. Every packet stops at the first place outside the zone of the largest load so
 /// far, whatever the steps between: one solve equals any slow path to the same load. That holds for the blend
 /// (Eq. 67) at a constant rate too, and not for the exact kernel (Eq. 59), which has no solve.
 ///
 /// Costs O(K N W) for a grading, W the zone's width in bins and K the terms of the law's exponential sum, or O(N W^2)
 /// where that is less; a state costs N^2 more. A loading rate above 0 costs O(N^3). Point masses of a Fabric stay
-/// exact under the conservative scheme; the paper's scheme puts them on bin centres.
+/// exact under the conservative scheme; the paper's scheme puts them on bin centres. The derivation stands in
+/// docs/theory/one_sweep.md, section 2.
 ///
 /// Begin-state in, end-state out. One object per thread; a copy has a workspace of its own and costs no set-up.
 /// Many states at once: BatchSolver.
@@ -92,18 +93,19 @@ class COMMINUTE_API QuasiStatic {
     /// @throws ParameterError for a bad load or a state on another grid
     Fabric solve(const Fabric& state, double stress_ratio, SolveReport* report = nullptr);
 
-    /// The grading alone. Without a loading rate it reads the zone's band of the state and no more.
+    /// The grading at rest, without the state. Without a loading rate it reads only the zone's band of the state.
     Marginal marginal(const Fabric& state, double stress_ratio);
 
-    /// The same for a bare array, without point masses.
+    /// Solves for a bare array, without point masses.
     /// @param state       (N, N), entries in the zone must be finite
-    /// @param settled_at  load under which it is at rest; none: never loaded
-    /// @param out         (N, N) state after it; may be `state` itself
+    /// @param settled_at  load under which it is at rest; none for a state that was never loaded
+    /// @param out         (N, N) state at rest; may be `state` itself
     /// @throws ShapeError for other shapes or a partial overlap; ParameterError for a bad load, or an entry in the zone
-    ///         that is not finite; what `out` holds is then of no use
+    ///         that is not finite, and the numbers in `out` then have no meaning
     SolveReport solve(MatrixView<const double> state, double stress_ratio, std::optional<double> settled_at,
                       MatrixView<double> out);
-    /// @param grainsize  (N) mass by grainsize after it
+    /// The grading at rest for a bare array.
+    /// @param grainsize  (N) out: mass by grainsize
     SolveReport marginal(MatrixView<const double> state, double stress_ratio,
                          std::optional<double> settled_at, VectorView<double> grainsize);
 

@@ -21,8 +21,8 @@ struct SlowUpdateOptions {
 /// kernel.
 ///
 /// Costs one look at the band plus O(N) for each active cell: where the state was at rest and the load has risen a
-/// little, those are the O(N) cells at the zone's boundary. Where so many cells hold mass that running sums cost less,
-/// O(K N^2), and the fragments' law has them, it takes these; the report's `terms` says so. Never makes a negative
+/// little, those are the O(N) cells at the zone's boundary. Where so many cells hold mass that running sums, O(K N^2),
+/// cost less, and the fragments' law has them, the step uses these; the report's `terms` is then K. Never makes a negative
 /// entry. Owns its workspace (up to one state); one object per thread, and a copy has a workspace of its own. A step
 /// allocates nothing.
 ///

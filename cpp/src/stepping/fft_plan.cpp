@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// FFTW behind one interface: plans, transforms, its global state left as found (docs/theory/one_sweep.md, section 13).
 #include "stepping/fft_plan.hpp"
 
 #include <fftw3.h>

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The crushing kernel: which grain of an active cell crushes, and where its mass goes (docs/theory/one_sweep.md,
+// section 13).
 #include "comminute/kernel.hpp"
 
 #include <algorithm>

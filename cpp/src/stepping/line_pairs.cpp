@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Scaling of pairs of lines, and removal of the noise of their FFT (docs/theory/one_sweep.md, section 13).
 #include "stepping/line_pairs.hpp"
 
 #include <algorithm>

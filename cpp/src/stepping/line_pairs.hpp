@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pairs of lines on their way into an FFT and out of it (docs/theory/one_sweep.md, section 13).
 #pragma once
 
 #include <array>

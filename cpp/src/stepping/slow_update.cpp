@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// One step of the slow rule, cell by cell where few cells hold mass (docs/theory/one_sweep.md, section 13).
 #include "comminute/slow_update.hpp"
 
 #include <algorithm>

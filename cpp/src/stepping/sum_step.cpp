@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Running sums along tiles of rows, then of columns (docs/theory/one_sweep.md, sections 7 and 13).
 #include "stepping/sum_step.hpp"
 
 #include <algorithm>
@@ -72,7 +73,7 @@ void SumStep::divide_row(Index i, Index lane, const Kernel& kernel, ZoneRuns& ru
 // Mass that crushes in psibar, or in both, takes the place of its cell's.
 void SumStep::put(Index i, Index j, Index lane, double neighbour, double both, double* row) {
     const double stays = j == 0 ? 1.0 : stays_;
-    const double below = j == 0 ? 0.0 : table_.below.data()[j];
+    const double below = j == 0 ? 0.0 : table_.below[j];
     row[j] = stays * neighbour;
     grain(i)[j] += stays * both;
     fines_.data()[lane] += below * neighbour;
@@ -110,7 +111,7 @@ void SumStep::spread_rows(Index begin, Index end, MatrixView<double> out) {
         for (Index lane = 0; lane < count; ++lane) {
             for (Index a = 0; a < table_.terms; ++a) {
                 double& sum = sums_.data()[(lane / lanes * table_.terms + a) * lanes + lane % lanes];
-                sum = sum * falling[a] + table_.coefficient.data()[a] * entering(bottom)[lane];
+                sum = sum * falling[a] + table_.coefficient[a] * entering(bottom)[lane];
             }
         }
         fall_along_rows(begin, end, bottom, 0, out);
@@ -134,7 +135,7 @@ void SumStep::fall_along_rows(Index begin, Index end, Index bottom, Index first_
     for (Index from = 1; from < bottom; from += columns_a_reference) {
         const Index count = std::min(columns_a_reference, bottom - from);
         const Index last = from + count - 1;
-        const Index terms = table_.terms_from.data()[bottom - last];
+        const Index terms = table_.terms_from[bottom - last];
         const double* power = table_.powers_towards(0, last, from);
         Index i = begin;
         for (; i + rows_at_once <= end; i += rows_at_once) {
@@ -183,8 +184,8 @@ void SumStep::spread_columns(Index begin, Index end, MatrixView<double> out) {
             advance(table_.falling_sums(shell, sums_.data()), grain(row + 1) + begin, arriving_.data(),
                     padded);
         }
-        settle_row({grain(row) + begin, arriving_.data(), stays_, table_.below.data()[row]},
-                   out.row(row) + begin, column_fines_.data(), count);
+        settle_row({grain(row) + begin, arriving_.data(), stays_, table_.below[row]}, out.row(row) + begin,
+                   column_fines_.data(), count);
     }
     if (row > 0) fall_along_columns(begin, end, row, shell, out);
     for (Index k = 0; k < count; ++k) out(0, begin + k) += column_fines_.data()[k] + grain(0)[begin + k];
@@ -198,7 +199,7 @@ void SumStep::fall_along_columns(Index begin, Index end, Index row, Index shell,
         for (Index r = 0; r < rows_at_once; ++r) {
             fetch(out.row(std::max(first - rows_at_once + r, Index{0})) + begin, end - begin);
         }
-        const Index terms = table_.terms_from.data()[row + 1 - top];
+        const Index terms = table_.terms_from[row + 1 - top];
         for (Index a = 0; a < terms; ++a) {
             for (Index r = 0; r < rows_at_once; ++r) {
                 factors_.data()[a * rows_at_once + r] = falling[a] * table_.powers(a)[row + 1 - first - r];

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// One step with any kernel by running sums (docs/theory/one_sweep.md, sections 7 and 13).
 #pragma once
 
 #include <array>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Masked fields along rows, then along columns, through pairs of lines (docs/theory/one_sweep.md, section 13).
 #include "stepping/transform_step.hpp"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// One step with any kernel by FFT (docs/theory/one_sweep.md, section 13).
 #pragma once
 
 #include <array>

@@ -1,63 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The quasi-static solver: zones for its loads, choice of the path, parts of a solve (docs/theory/one_sweep.md,
+// section 2).
 #include "comminute/quasi_static.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "fabric/fabric_access.hpp"
+#include "sweeping/band_sweep.hpp"
 #include "sweeping/blend_sweep.hpp"
+#include "sweeping/marginal.hpp"
 #include "sweeping/point_sweep.hpp"
 
 namespace comminute {
 
 using namespace detail;
-
-namespace {
-
-std::vector<double> row_sums(MatrixView<const double> state) {
-    std::vector<double> sums(static_cast<std::size_t>(state.rows()));
-    for (Index i = 0; i < state.rows(); ++i) {
-        sums[static_cast<std::size_t>(i)] = ConstLine(state.row(i), state.cols()).sum();
-    }
-    return sums;
-}
-
-// Takes the crushed mass out of each bin of a marginal and adds it where its fragments lie: one line of the sweep.
-void move_fragments(const CrushTable& table, const std::vector<double>& crushed,
-                    std::vector<double>& marginal) {
-    for (std::size_t i = 0; i < marginal.size(); ++i) marginal[0] += crushed[i] * table.below[i];
-    const Index bins = table.bins;
-    Eigen::ArrayXd sums = Eigen::ArrayXd::Zero(table.terms);
-    Index shell = 0;  // of a block
-    for (Index i = bins - 1; i >= 1; --i, ++shell) {
-        double landed = 0.0;
-        for (Index m = std::min(table.head, bins - 1 - i); m >= 1; --m) {
-            landed += table.mass[static_cast<std::size_t>(m)] * crushed[static_cast<std::size_t>(i + m)];
-        }
-        if (table.terms > 0) {
-            if (shell == table.shells_a_block) {
-                sums *= ConstLine(table.block_decay.data(), table.terms);
-                sums = (sums.abs() > 1e-290).select(sums, 0.0);
-                shell = 0;
-            }
-            const Index entering = i + table.head + 1;
-            if (entering < bins) {
-                sums += crushed[static_cast<std::size_t>(entering)] *
-                        ConstLine(table.entering_at(shell), table.terms);
-            }
-            landed += (sums * ConstLine(table.falling_at(shell), table.terms)).sum();
-        }
-        // Where all of a bin crushes the difference is nothing, and what is below 0 is rounding.
-        double& mass = marginal[static_cast<std::size_t>(i)];
-        mass = std::max(mass + landed - crushed[static_cast<std::size_t>(i)], 0.0);
-    }
-}
-
-}  // namespace
 
 struct QuasiStatic::Work {
     LogGrid grid;
@@ -65,17 +25,17 @@ struct QuasiStatic::Work {
     QuasiStaticOptions options;
     FragmentPmf fragments;
     ExponentialSum sum;
-    double leaves;  // 1 - f_0, the share of one crush that leaves the bin
+    double leaves;  // 1 - f_0, share of one crush that leaves its bin
     CrushTable bin_by_bin;
     CrushTable by_sums;
     ActiveBand before;
     ActiveBand after;
-    double load_before = 0.0;  // of the zones at hand
+    double load_before = 0.0;  // loads of these two bands
     double load_after = 0.0;
     BandSweep sweep;
     BlendSweep blend;
     PointSweep points;
-    std::vector<double> scratch;  // a state that nobody asked for
+    Array<double> scratch;  // (N, N) the blend's state after a solve that wants the grading alone
 
     Work(const LogGrid& g, const Material& m, const QuasiStaticOptions& o)
         : grid(g),
@@ -92,8 +52,8 @@ struct QuasiStatic::Work {
           blend(fragments, o.loading_rate),
           points(g, m, fragments, o.loading_rate) {}
 
-    // A zone costs as much as a small sweep, so what is at hand stays: the same loads for many states, or, where a state
-    // goes on from the load before, the zone that it settled in.
+    // Zones cost as much as a small sweep, so they are kept from one solve to the next: for many states under the same
+    // loads, and for a load path, whose next solve starts in the zone in which the last one ended.
     void set_loads(std::optional<double> settled_at, double stress_ratio) {
         const double settled = settled_at.value_or(0.0);
         if (settled != load_before) {
@@ -129,12 +89,14 @@ struct QuasiStatic::Work {
             "the state's masses add up to more than a number can hold; scale it to a total of 1");
     }
 
-    /// Brings the bins to rest. `rows`, where it is wanted, is their marginal before and after.
-    SolveReport settle(MatrixView<const double> state, const std::vector<OuterProduct>& arrivals,
-                       std::vector<double>* rows, MatrixView<double>* out) {
+    /// Brings the bins to rest.
+    /// @param rows  (N) mass by grainsize before, replaced by that after; null where it is not wanted
+    /// @param out   (N, N) state after; null where it is not wanted
+    SolveReport settle(MatrixView<const double> state, const Arrivals& arrivals, std::vector<double>* rows,
+                       MatrixView<double>* out) {
         SolveReport report;
         if (options.loading_rate > 0.0) {
-            scratch.resize(out == nullptr ? static_cast<std::size_t>(grid.bins() * grid.bins()) : 0);
+            scratch.resize(out == nullptr ? grid.bins() * grid.bins() : 0);
             const MatrixView<double> to =
                 out != nullptr ? *out : MatrixView<double>(scratch.data(), grid.bins(), grid.bins());
             blend.run(before, after, state, arrivals, to);
@@ -148,8 +110,8 @@ struct QuasiStatic::Work {
         const CrushTable& by = table();
         sweep.run(by, before, after, state, arrivals, out);
         require_finite(state, sweep.crushed() + sweep.crushed_neighbour());
-        if (out != nullptr) sweep.far_field(by, state, arrivals, *out);
-        if (rows != nullptr) move_marginal(by, arrivals, *rows);
+        if (out != nullptr) sweep.far_field(state, arrivals, *out);
+        if (rows != nullptr) move_marginal(by, arrivals, sweep.crushed_rows(), *rows);
         report.path = by.terms > 0 ? SolvePath::sums : SolvePath::direct;
         report.terms = by.terms > 0 ? static_cast<Index>(sum.coefficient.size()) : 0;
         report.head = by.head;
@@ -159,16 +121,7 @@ struct QuasiStatic::Work {
         return report;
     }
 
-    void move_marginal(const CrushTable& by, const std::vector<OuterProduct>& arrivals,
-                       std::vector<double>& rows) const {
-        for (const OuterProduct& from : arrivals) {
-            const double partners = std::accumulate(from.psibar.begin(), from.psibar.end(), 0.0);
-            for (std::size_t i = 0; i < rows.size(); ++i) rows[i] += from.psi[i] * partners;
-        }
-        move_fragments(by, sweep.crushed_rows(), rows);
-    }
-
-    /// Everything but the numbers of the bins, which go to `out` where that is given.
+    /// Brings points and bins to rest. Returns all data of the fabric after but its bins, which go to `out`.
     FabricParts settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
                        SolveReport& report) {
         set_loads(state.settled_at(), stress_ratio);
@@ -199,9 +152,7 @@ struct QuasiStatic::Work {
         return options.scheme == Scheme::paper ? state.binned() : state;
     }
 
-    std::vector<double> new_state() const {
-        return std::vector<double>(static_cast<std::size_t>(grid.bins() * grid.bins()));
-    }
+    std::vector<double> new_state() const { return Array<double>(grid.bins() * grid.bins()).vector(); }
 };
 
 QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, const QuasiStaticOptions& options) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Integrals of the zone over cells, several shells side by side (docs/theory/one_sweep.md, section 3).
 #include "zones/shell_zone.hpp"
 
 #include <algorithm>
@@ -31,9 +32,8 @@ ShellZones::Extents ShellZones::extents(Index m) const {
     Extents extents;
     for (Index l = 0; l < lanes; ++l) {
         const auto most = static_cast<double>(m + l);
-        const auto at = static_cast<std::size_t>(l);
-        extents.whole[at] = inner[l] >= 0.0 ? static_cast<Index>(std::min(inner[l], most)) + 1 : 0;
-        extents.last[at] = outer[l] >= 0.0 ? static_cast<Index>(std::min(outer[l], most)) : -1;
+        extents.whole.data()[l] = inner[l] >= 0.0 ? static_cast<Index>(std::min(inner[l], most)) + 1 : 0;
+        extents.last.data()[l] = outer[l] >= 0.0 ? static_cast<Index>(std::min(outer[l], most)) : -1;
     }
     return extents;
 }
@@ -45,13 +45,12 @@ void ShellZones::shares(Index m, const Distances& first, Index rows, double* sha
         zone_shares({tip_, steepness_}, m, distance, rows, share);
         return;
     }
-    // The zone is all to the right of the tip; nothing where the fabric is so narrow that its width squared is 0.
+    // With the fabric off the zone holds all sizes above the tip; a fabric so narrow that its square is 0 has none.
     for (Index row = 0; row < rows; ++row) {
         for (Index l = 0; l < lanes; ++l) {
             const double begin = std::clamp(tip_ - static_cast<double>(m + l), -0.5, 0.5);
             const double above = steepness_ > 0.0 ? 0.5 - begin : 0.0;
-            share[row * lanes + l] =
-                first[static_cast<std::size_t>(l)] + row == 0 ? above * (2.0 - above) : above;
+            share[row * lanes + l] = first.data()[l] + row == 0 ? above * (2.0 - above) : above;
         }
     }
 }

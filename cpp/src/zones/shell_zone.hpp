@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Part of a cell that lies inside the zone, exactly (docs/theory/one_sweep.md, section 3).
 #pragma once
 
 #include <array>
@@ -25,15 +26,15 @@ class ShellZones {
 
     ShellZones(const LogGrid& grid, const Material& material, double log_stress_ratio);
 
-    /// Extents in the shells from m on; no distance goes beyond a shell's own index.
+    /// Bounds for the pack of shells from m on, none beyond a shell's own index.
     Extents extents(Index m) const;
-    /// Shares of the areas of cells that lie inside, with no error but rounding: (rows, lanes), those of shell m + lane at
-    /// the distances first[lane] + row.
+    /// Shares of the areas of cells that lie inside, with no error but rounding.
+    /// @param share  (rows, lanes) out: shell m + lane at the distance first[lane] + row
     void shares(Index m, const Distances& first, Index rows, double* share) const;
 
   private:
-    double tip_;  // place of the onset in shell 0, in bins from its centre
-    double steepness_;
+    double tip_;        // place of the onset, in bins from the centre of bin 0
+    double steepness_;  // k / h
 };
 
 }  // namespace comminute::detail

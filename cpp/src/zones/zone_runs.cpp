@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Runs of one row from the zones of the shells it crosses (docs/theory/one_sweep.md, section 13).
 #include "zones/zone_runs.hpp"
 
 #include <algorithm>
@@ -18,8 +19,8 @@ void ZoneRuns::add(Index begin, Index end, Zone zone) {
     if (begin < end) runs_[count_++] = {begin, end, zone};
 }
 
-// Towards finer neighbours the row's own shell decides, and either zone is one interval; towards coarser ones each
-// cell's shell does.
+// Cells with a finer neighbour belong to the row's own shell, so that either zone is one interval of them. A cell with a
+// coarser neighbour belongs to the shell of its column.
 VectorView<const ZoneRun> ZoneRuns::of_row(Index i) {
     count_ = 0;
     const Index both = i - std::max(zones_.overlap(i), Index{0});

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Active cells of a row as runs of one zone, for the engines that step (docs/theory/one_sweep.md, section 13).
 #pragma once
 
 #include "base/arrays.hpp"
@@ -6,7 +7,8 @@
 
 namespace comminute::detail {
 
-/// Cells of a row side by side that lie in one zone and do the same; none of them is the diagonal cell with others.
+/// Cells of a row, side by side, that lie in one zone and crush alike. The diagonal cell, where either grain may crush,
+/// is a run of its own.
 struct ZoneRun {
     Index begin = 0;
     Index end = 0;
