@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Literal
 
 from comminute._core import Grading, ParameterError
+from comminute.gradings.rows import Row
 from comminute.gradings.sieves import convert, sieve_size, unit_of
-from comminute.gradings.tables import Row, Table, read_table
+from comminute.gradings.tables import Table, read_table
 
 Top = Literal["error", "extend"]
 VALUES = ("percent_finer", "percent_retained", "percent_cumulative_retained", "mass_retained_g")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from comminute._core import ParameterError
-from comminute.gradings.tables import shorten
+from comminute.util.texts import shorten
 
 if TYPE_CHECKING:
     import numpy.typing as npt

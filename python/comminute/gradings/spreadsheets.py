@@ -6,7 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from comminute._core import ParameterError
-from comminute.gradings.tables import Row, shorten
+from comminute.gradings.rows import Row
+from comminute.util.texts import shorten
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -10,6 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from comminute._core import ParameterError
+from comminute.gradings.rows import Row
+from comminute.gradings.spreadsheets import spreadsheet_rows
+from comminute.util.texts import is_file, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,14 +20,6 @@ if TYPE_CHECKING:
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma"}
 MOST_BYTES = 16_000_000  # of a sieve table; anything larger is another kind of file
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
-
-
-@dataclass(frozen=True)
-class Row:
-    """One line of a table: its number in the file, counted from 1, and its cells as text."""
-
-    number: int
-    cells: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -69,20 +64,6 @@ class Table:
         raise ParameterError(f"{self.place(row)}, column {name}: the value {what}{remedy}")
 
 
-def shorten(text: str, most: int = 40) -> str:
-    """Text for a message: printable, and no longer than a line can hold."""
-    clean = "".join(c if c.isprintable() else "?" for c in text)
-    return clean if len(clean) <= most else clean[: most - 3] + "..."
-
-
-def is_file(path: Path) -> bool:
-    """Whether a path names a file; a name that no file can have does not."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
-
-
 def read_table(path: Path) -> Table:
     """Table in a .csv, .txt, .tsv or .xlsx file.
 
@@ -98,8 +79,6 @@ def read_table(path: Path) -> Table:
     if path.stat().st_size > MOST_BYTES:
         raise ParameterError(f"{path.name} has {path.stat().st_size / 1e6:.0f} MB; a sieve table has a few lines")
     if path.suffix.lower() in (".xlsx", ".xls", ".ods"):
-        from comminute.gradings.spreadsheets import spreadsheet_rows  # noqa: PLC0415  (pandas is optional)
-
         return _table(path.name, spreadsheet_rows(path), decimal_comma=False)
     return _text_table(path)
 

@@ -1,0 +1,13 @@
+"""Lines of a table as text, whatever kind of file they come from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a table: its number in the file, counted from 1, and its cells as text."""
+
+    number: int
+    cells: tuple[str, ...]
