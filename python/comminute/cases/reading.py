@@ -18,10 +18,11 @@ from comminute.cases.messages import explained
 from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, Sieves
 from comminute.gradings.reading import SieveData, read_sieves
 from comminute.gradings.sieves import unit_of
-from comminute.gradings.tables import is_file, read_table, shorten
+from comminute.gradings.tables import read_table
 from comminute.runs.load_path import load_path
 from comminute.runs.recipe import law_of
 from comminute.simulation import Simulation
+from comminute.util.texts import is_file, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable

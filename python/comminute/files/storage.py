@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,10 +12,10 @@ import numpy as np
 
 from comminute._core import Fabric, LogGrid, ParameterError, PointMass, __version__
 from comminute.files.fabric_storage import START, columns, fabric_variables, fabrics_of, rows_of
-from comminute.gradings.tables import is_file, shorten
-from comminute.lattice.results import LatticeResult
-from comminute.result import Result, needs
 from comminute.runs.recipe import Recipe, grid_record, material_of, material_record, report_of, report_record
+from comminute.runs.results import LatticeData, ResultData
+from comminute.util.optional import needs
+from comminute.util.texts import is_file, shorten
 from comminute.util.whole_files import uninterrupted, write_whole
 
 LAYOUT = "comminute result 1"
@@ -26,7 +25,7 @@ SEAL_SIZE = len(SEAL) + 64 + 1
 PACKING = {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True, "_FillValue": None}
 
 
-def to_dataset(result: Result) -> Any:
+def to_dataset(result: ResultData) -> Any:
     """Dataset of a result; see `Result.to_xarray`."""
     try:
         import xarray as xr  # noqa: PLC0415  (an optional dependency)
@@ -42,7 +41,7 @@ def to_dataset(result: Result) -> Any:
     }
     if result.stress is not None:
         stress_unit = result.recipe.stress_unit if result.recipe else ""
-        known = {"units": stress_unit} if stress_unit else {}  # that of first_crush_stress, whatever it is
+        known = {"units": stress_unit} if stress_unit else {}  # the unit of first_crush_stress
         coords["stress"] = ("load", result.stress, {"long_name": "stress", **known})
     names = {
         "pmf": (("load", "psi"), "mass fraction by bin"),
@@ -56,7 +55,7 @@ def to_dataset(result: Result) -> Any:
     }
     points = [[k, *point] for k, exact in enumerate(result.points) for point in exact]
     variables |= columns("point", points, {"load": "load index", "psi": "exact log grainsize", "mass": "mass fraction"})
-    if isinstance(result, LatticeResult):
+    if isinstance(result, LatticeData):
         variables["cdf_error"] = (("load", "psi"), result.cdf_error, {"long_name": "standard error of cdf"})
         variables["crushes_error"] = ("load", result.crushes_error, {"long_name": "standard error of crushes"})
     kept = [k for k, fabric in enumerate(result.fabrics) if fabric is not None]
@@ -66,8 +65,8 @@ def to_dataset(result: Result) -> Any:
     return xr.Dataset(variables, coords, _attributes(result))
 
 
-def _attributes(result: Result) -> dict[str, Any]:
-    """Everything of a result that is no array, as text."""
+def _attributes(result: ResultData) -> dict[str, Any]:
+    """Fields of a result that are no arrays, as text."""
     return {
         "Conventions": "CF-1.11",
         "title": "confined comminution: gradings after each load",
@@ -85,7 +84,7 @@ def _attributes(result: Result) -> dict[str, Any]:
         "notes": json.dumps(list(result.notes)),
         "warnings": json.dumps(list(result.warnings)),
         "reports": json.dumps([report_record(report) for report in result.reports]),
-        "lattice": json.dumps({name: getattr(result, name) for name in RINGS if isinstance(result, LatticeResult)}),
+        "lattice": json.dumps({name: getattr(result, name) for name in RINGS if isinstance(result, LatticeData)}),
         "recipe": "" if result.recipe is None else result.recipe.to_json(),
         "case": "" if result.recipe is None else result.recipe.case,
     }
@@ -125,7 +124,7 @@ def require_netcdf(wanted_for: str) -> Any:
     return xr
 
 
-def save_netcdf(result: Result, path: Path) -> Path:
+def save_netcdf(result: ResultData, path: Path) -> Path:
     """Write a result to a NetCDF file; see `Result.save`."""
     require_netcdf(f"saving {path.name}")
     data = to_dataset(result)
@@ -138,34 +137,9 @@ def save_netcdf(result: Result, path: Path) -> Path:
     return write_whole(path, write)
 
 
-def open_result(path: str | os.PathLike[str]) -> Result:
-    """Read a result from a NetCDF file that `Result.save` wrote: equal to the one that was saved.
-
-    Parameters
-    ----------
-    path : path-like
-
-    Returns
-    -------
-    Result
-
-    Raises
-    ------
-    ParameterError
-        For a file that is missing, damaged, or no result.
-    ImportError
-        Naming the extra to install.
-
-    Examples
-    --------
-    >>> import comminute as cm, pathlib, tempfile
-    >>> result = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1)).run(stress_ratio=[1, 8])
-    >>> path = result.save(pathlib.Path(tempfile.mkdtemp(), "run.nc"))
-    >>> cm.open_result(path) == result
-    True
-    """
+def read_netcdf(file: Path) -> ResultData:
+    """Read a result, of a lattice as `LatticeData`, from a file that `save_netcdf` wrote; see `open_result`."""
     xr = require_netcdf("open_result")
-    file = Path(path)
     if not is_file(file):
         raise ParameterError(f"{shorten(str(file), 200)} does not exist; give a result file (.nc)")
     _require_sealed(file)
@@ -179,7 +153,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     return _result(data)
 
 
-def _result(data: Any) -> Result:
+def _result(data: Any) -> ResultData:
     texts = {key: str(value) for key, value in data.attrs.items()}
     grid = LogGrid(**json.loads(texts["grid"]))
     values = {name: np.array(data[name].values) for name in data.variables}
@@ -192,10 +166,10 @@ def _result(data: Any) -> Result:
     points: list[list[PointMass]] = [[] for _ in fabrics]
     for load, psi, mass in rows_of(values, "point", ("load", "psi", "mass")):
         points[int(load)].append(PointMass(psi, mass))
-    rings: dict[str, Any] = json.loads(texts.get("lattice", "{}"))  # once unknown
+    rings: dict[str, Any] = json.loads(texts.get("lattice", "{}"))  # missing in the first files
     if rings:
         rings |= {name: values[name] for name in ("cdf_error", "crushes_error")}
-    made_again: Result = (partial(LatticeResult, **rings) if rings else Result)(
+    made_again: ResultData = (partial(LatticeData, **rings) if rings else ResultData)(
         material=material_of(json.loads(texts["material"])),
         grid=grid,
         start=made[START],
