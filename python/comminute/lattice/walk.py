@@ -22,7 +22,7 @@ Floats = npt.NDArray[np.float64]
 R = TypeVar("R", bound=LatticeData)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(slots=True, kw_only=True)
 class LatticeOutcome(Outcome):
     """State of a lattice after one load: means over the replicas.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,14 +18,13 @@ Floats = npt.NDArray[np.float64]
 Keep = Literal["all", "last"] | Sequence[int]
 
 
-@dataclass(frozen=True)
-class Load:
+class Load(NamedTuple):
     """One load of a path.
 
     Attributes
     ----------
-    index : int
-        Place in the path, from 0.
+    place : int
+        Index in the path, from 0.
     stress_ratio : float
         Load, >= 0.
     loading_rate : float
@@ -34,7 +33,7 @@ class Load:
         Whether the packing is remixed after this load.
     """
 
-    index: int
+    place: int
     stress_ratio: float
     loading_rate: float
     remixed: bool
@@ -66,8 +65,9 @@ class LoadPath:
 
     def loads(self, first: int = 0) -> Iterator[Load]:
         """Give the loads one by one, beginning with index `first`."""
-        for k in range(first, self.stress_ratio.size):
-            yield Load(k, float(self.stress_ratio[k]), float(self.loading_rate[k]), k in self.remix_after)
+        values = zip(self.stress_ratio[first:].tolist(), self.loading_rate[first:].tolist(), strict=True)
+        for place, (stress_ratio, loading_rate) in enumerate(values, first):
+            yield Load(place, stress_ratio, loading_rate, place in self.remix_after)
 
     def then(self, later: LoadPath) -> LoadPath:
         """Path of these loads with those of another path after them."""

@@ -17,7 +17,7 @@ from comminute.runs.results import Report, ResultData
 Floats = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(slots=True)
 class Outcome:
     """State of a packing after one load.
 

@@ -80,21 +80,17 @@ class PathRun(Generic[O, R]):
     def __iter__(self) -> Iterator[O]:
         """Take load after load, and give the outcome of each when the packing is ready for the next one."""
         for load in self._path.loads(first=len(self._outcomes)):
-            with_fabric = self._chained or self._keep_latest or load.index in self._wanted
-            self._keep(self._walker.load(load, with_fabric=with_fabric))
+            with_fabric = self._chained or self._keep_latest or load.place in self._wanted
+            self._outcomes.append(self._walker.load(load, with_fabric=with_fabric))
+            self._drop_fabric(load.place - 1 if self._keep_latest else load.place)
             if load.remixed:
                 self._walker.remix()
-            yield self._outcomes[-1]
+            yield self._outcomes[load.place]
 
     def result(self) -> R | None:
         """Make the result of the finished loads; None before the first is finished."""
         return self._result_of(self._outcomes) if self._outcomes else None
 
-    def _keep(self, outcome: O) -> None:
-        latest = len(self._outcomes)
-        self._outcomes.append(outcome)
-        self._drop_fabric(latest - 1 if self._keep_latest else latest)
-
     def _drop_fabric(self, index: int) -> None:
-        if index >= 0 and index not in self._wanted and self._outcomes[index].fabric is not None:
+        if index not in self._wanted and index >= 0 and self._outcomes[index].fabric is not None:
             self._outcomes[index] = replace(self._outcomes[index], fabric=None)

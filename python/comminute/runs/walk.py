@@ -196,7 +196,7 @@ class ContinuumWalker:
 
     def load(self, load: Load, *, with_fabric: bool) -> Outcome:
         """Take the fabric through one load; see `Walker`."""
-        kind, name = self._choices[load.index]
+        kind, name = self._choices[load.place]
         if name != "quasi-static":
             self._end_segment()
             return self._step(name, kind, load)

@@ -14,11 +14,16 @@ import comminute as cm
 from comminute.runs.load_path import Load, LoadPath
 from comminute.runs.outcomes import Outcome, outcomes_of
 from comminute.runs.path_run import PathRun
+from comminute.util.choices import Scheme
 
 MATERIAL = cm.Material(reference_size=2.0, first_crush_stress=1.2, fabric_width=0.2)
 GRID = cm.LogGrid(-5.0, 0.7, 58)
 SAND = cm.Grading.from_sieves([2.0, 1.0, 0.5, 0.2], [100, 60, 20, 3], unit="mm", notes=["as weighed"])
-STARTS = (SAND, cm.gap_graded(2.0, 0.2), cm.mixed_fabric(cm.monodisperse(2.0), GRID, mean="geometric"))
+STARTS: tuple[cm.Grading | cm.Fabric, ...] = (
+    SAND,
+    cm.gap_graded(2.0, 0.2),
+    cm.mixed_fabric(cm.monodisperse(2.0), GRID, mean="geometric"),
+)
 
 
 @dataclass(frozen=True)
@@ -65,7 +70,8 @@ def asked(draw: st.DrawFn) -> Asked:
     rated = st.just(0.0) if "kind" in options else st.sampled_from([0.0, 0.0, 0.3, 1.0])
     rates = [draw(rated) for _ in loads]
     grid = None if isinstance(start, cm.Fabric) else GRID
-    scheme = draw(st.sampled_from(["conservative", "paper"]))
+    schemes: tuple[Scheme, ...] = ("conservative", "paper")
+    scheme = draw(st.sampled_from(schemes))
     return Asked(cm.Simulation(MATERIAL, start, grid=grid, scheme=scheme), loads, rates, remixed, options)
 
 
@@ -227,8 +233,8 @@ class Diary:
 
     def load(self, load: Load, *, with_fabric: bool) -> Outcome:
         """Write a load down."""
-        self._do(f"load {load.index} to {load.stress_ratio:g}" + (" with fabric" if with_fabric else ""))
-        return Outcome(FABRIC.grainsize(), float(load.index), 0.0, fabric=FABRIC if with_fabric else None)
+        self._do(f"load {load.place} to {load.stress_ratio:g}" + (" with fabric" if with_fabric else ""))
+        return Outcome(FABRIC.grainsize(), float(load.place), 0.0, fabric=FABRIC if with_fabric else None)
 
     def remix(self) -> None:
         """Write a remixing down."""
@@ -292,6 +298,17 @@ def test_a_result_is_the_outcomes_of_its_loads() -> None:
     assert (one.fabric, two.fabric) == (result.fabric(0), None)
     assert (one.report, two.points, two.crushed) == (result.reports[0], result.points[1], result.crushes[1])
     np.testing.assert_array_equal(two.grainsize, result.pmf[1])
+
+
+def test_stresses_and_stress_ratios_may_follow_each_other() -> None:
+    material = cm.Material(reference_size=2.0, first_crush_stress=1.7)
+    sim = cm.Simulation(material, SAND, grid=GRID)
+    stresses, ratios = [1.9, 3.1, 4.7, 6.3], [7.7, 9.1, 13.9, 21.1]
+    result = sim.run(stress=stresses).resume(stress_ratio=ratios)
+    assert result.stress is not None
+    np.testing.assert_array_equal(result.stress[:4], stresses)
+    np.testing.assert_array_equal(result.stress_ratio[4:], ratios)
+    assert cm.run_again(result) == result
 
 
 def test_loads_are_taken_as_they_were_given() -> None:
