@@ -60,6 +60,7 @@ from comminute._core import (
     stress_ratio_at,
     uniform_size,
 )
+from comminute.files.storage import EditedFileWarning
 from comminute.gradings.breakage import (
     Breakage,
     FractalFit,
@@ -85,6 +86,7 @@ __all__ = [
     "Breakage",
     "Comparison",
     "CrushZones",
+    "EditedFileWarning",
     "Fabric",
     "FolkWard",
     "FractalFit",

@@ -12,7 +12,7 @@ from comminute._core import Grading, LogGrid, Material
 from comminute._core import Lattice as CoreLattice
 from comminute._core import TimeSteppedLattice as CoreTimeSteppedLattice
 from comminute.lattice.rings import Rings
-from comminute.lattice.walk import grid_for, lattice_run
+from comminute.lattice.walk import lattice_run
 from comminute.result import LatticeResult, finished
 from comminute.runs.load_path import Keep, load_path, wanted_fabrics
 from comminute.util.choices import Mean
@@ -21,7 +21,7 @@ Floats = npt.NDArray[np.float64]
 
 
 class _Options(TypedDict, total=False):
-    """Options of either lattice; their defaults are the C++ struct's."""
+    """Options of either lattice; one that is left out has the core's default, `_core.defaults`."""
 
     seed: int
     replicas: int
@@ -88,7 +88,7 @@ class LoadedRings(Rings):
         """
         path = load_path(self.material, stress_ratio, stress, 0.0, remix_after)
         wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size)
-        grid = grid or grid_for(self, float(path.stress_ratio.max()))
+        grid = grid or self._core.fitting_grid(float(path.stress_ratio.max()))
         return finished(lattice_run(LatticeResult, self, path, grid, wanted=wanted, unit=self._unit), on_load)
 
 
@@ -107,15 +107,15 @@ class Lattice(LoadedRings):
     material : Material
     grading : Grading
         Grading from which the sizes are drawn independently.
-    seed : int
+    seed : int, default 0
         Seed of the random number generator; each replica has a stream of its own.
-    replicas : int
+    replicas : int, default 1
         Number of independent rings, >= 1.
-    mean : {"arithmetic", "geometric"}
+    mean : {"arithmetic", "geometric"}, default "arithmetic"
         Mean by which two neighbours make a neighbourhood grainsize (Eq. 48 or 65).
-    threads : int
+    threads : int, default 1
         Largest number of rings that are worked on at a time; changes no bit of the results.
-    record_avalanches : bool
+    record_avalanches : bool, default False
         Whether the size of every avalanche is kept, 16 bytes each; see `avalanches`.
 
     Raises
@@ -198,10 +198,10 @@ class TimeSteppedLattice(LoadedRings):
     ----------
     cells, material, grading
         Size, material and grading as `Lattice` takes them.
-    crush_probability : float
-        Probability that an active cell crushes in one pass, in (0, 1]; 0.1 if left out.
-    load_factor : float
-        Ratio of one load to the one before, > 1; 1.01 if left out, inf goes at once to the load asked for.
+    crush_probability : float, default 0.1
+        Probability that an active cell crushes in one pass, in (0, 1].
+    load_factor : float, default 1.01
+        Ratio of one load to the one before, > 1; inf goes at once to the load asked for.
     seed, replicas, mean, threads
         Options as `Lattice` takes them.
 

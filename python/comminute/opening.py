@@ -26,7 +26,12 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     ParameterError
         For a file that is missing, damaged, or no result.
     ImportError
-        Naming the extra to install.
+        If xarray, h5netcdf or h5py is missing; the message names the extra to install.
+
+    Warns
+    -----
+    EditedFileWarning
+        If another program changed arrays or attributes of the file, and they still fit together.
 
     Examples
     --------

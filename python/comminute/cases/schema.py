@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import inspect
-import re
 from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -15,6 +14,7 @@ from comminute._core import (
     Material,
     PowerLawFragments,
     WeibullFragments,
+    defaults,
     fuller,
     gap_graded,
     log_uniform,
@@ -24,22 +24,17 @@ from comminute._core import (
     rosin_rammler,
     uniform_size,
 )
+from comminute.gradings.reading import Top
 from comminute.simulation import Simulation
 from comminute.util.choices import EngineName, Kind, Mean, Scheme
 
 Rest = int | Literal["rest"]
 MATERIAL = Material()
 WEIBULL, POWER, LOGNORMAL = WeibullFragments(), PowerLawFragments(), LogNormalFragments()
+SIEVES = defaults["from_sieves"]
 RUN = {name: p.default for name, p in inspect.signature(Simulation.run).parameters.items()}
 SIMULATION = {name: p.default for name, p in inspect.signature(Simulation).parameters.items()}
-
-
-def default_of(maker: Callable[..., Any], name: str) -> float:
-    """Default of a maker's parameter, from the signature that the core gives it."""
-    found = re.search(rf"{name}: [^=,)]* = ([0-9.eE+-]+)", maker.__doc__ or "")
-    if found is None:
-        raise TypeError(f"{maker.__name__} has no default for {name}")
-    return float(found[1])
+MOST_BINS = 10_000
 
 
 class Table(BaseModel):
@@ -51,7 +46,7 @@ class Table(BaseModel):
 class Units(Table):
     """Units of the case's sizes and stresses; sizes of a sieve table are converted to the former."""
 
-    size: str = "mm"
+    size: str = SIEVES["unit"]
     stress: str = "MPa"
 
 
@@ -104,8 +99,8 @@ class GradingFile(Table):
 
     kind: Literal["file"] = "file"
     file: str
-    top: Literal["error", "extend"] = "error"
-    number: bool = False
+    top: Top = SIEVES["top"]
+    number: bool = SIEVES["number"]
 
 
 class Sieves(Table):
@@ -114,8 +109,8 @@ class Sieves(Table):
     kind: Literal["sieves"]
     size: list[float]
     percent_finer: list[float]
-    top: Literal["error", "extend"] = "error"
-    number: bool = False
+    top: Top = SIEVES["top"]
+    number: bool = SIEVES["number"]
     places: list[str] = []
     notes: list[str] = []
     file: str = ""
@@ -134,7 +129,7 @@ class GapGraded(Table):
     kind: Literal["gap-graded"]
     coarse: float
     fine: float
-    coarse_share: float = default_of(gap_graded, "coarse_share")
+    coarse_share: float = defaults["gap_graded"]["coarse_share"]
 
 
 class PowerLawGrading(Table):
@@ -159,7 +154,7 @@ class Fuller(Table):
 
     kind: Literal["fuller"]
     largest: float
-    exponent: float = default_of(fuller, "exponent")
+    exponent: float = defaults["fuller"]["exponent"]
 
 
 class LogNormalGrading(Table):
@@ -207,7 +202,7 @@ AnyGrading = (
 class GridTable(Table):
     """Bins; what is left out is sized from grading, material and largest load."""
 
-    bins: int | None = Field(default=None, le=10_000)
+    bins: int | None = Field(default=None, le=MOST_BINS)
     psi_min: float | None = None
     psi_max: float | None = None
 

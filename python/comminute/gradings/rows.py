@@ -1,4 +1,4 @@
-"""Lines of a table as text, whatever kind of file they come from."""
+"""Row of a table, as text and spreadsheet files both give it."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class Rings:
 
     @property
     def crushes(self) -> npt.NDArray[np.uint32]:
-        """(replicas, cells) number of crushes of each cell since the start; a copy."""
+        """(replicas, cells) number of times each cell has crushed since the start; a copy."""
         return self._core.crushes
 
     def _mean_crushes(self) -> tuple[float, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -10,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import LogGrid, fitting_grid, log_uniform, monodisperse
+from comminute._core import LogGrid
 from comminute.lattice.rings import Rings
 from comminute.lattice.statistics import mean_and_error
 from comminute.runs.load_path import Load, LoadPath
@@ -63,14 +62,6 @@ class LatticeWalker:
     def remix(self) -> None:
         """Shuffle the cells of every ring."""
         self._rings.remix()
-
-
-def grid_for(rings: Rings, max_stress_ratio: float) -> LogGrid:
-    """Grid that fits the cells of a lattice and a largest load to come; see `fitting_grid`."""
-    psi = rings.psi
-    smallest, largest = math.exp(psi.min()), math.exp(psi.max())
-    sizes = log_uniform(smallest, largest) if smallest < largest else monodisperse(largest)
-    return fitting_grid(sizes, rings.material, max_stress_ratio)
 
 
 def lattice_run(

@@ -50,7 +50,7 @@ MODULES: tuple[ModuleType, ...] = tuple(
         "simulation",
         "util.equality",
         "util.optional",
-        "util.texts",
+        "util.names",
         "util.whole_files",
     ]
 )

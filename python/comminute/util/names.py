@@ -1,4 +1,4 @@
-"""Foreign text made fit for a message, and names of files that may be no names."""
+"""Texts and file names that users give, made fit for messages."""
 
 from __future__ import annotations
 
@@ -6,14 +6,7 @@ from pathlib import Path
 
 
 def shorten(text: str, most: int = 40) -> str:
-    """Text for a message: printable, and no longer than a line can hold.
-
-    Examples
-    --------
-    >>> from comminute.util.texts import shorten
-    >>> shorten("a very long sieve name", 12)
-    'a very lo...'
-    """
+    """Text for a message: printable, and no longer than a line can hold."""
     clean = "".join(c if c.isprintable() else "?" for c in text)
     return clean if len(clean) <= most else clean[: most - 3] + "..."
 
