@@ -8,14 +8,9 @@
 #include "comminute/export.hpp"
 #include "comminute/fabric.hpp"
 #include "comminute/material.hpp"
+#include "comminute/scheme.hpp"
 
 namespace comminute {
-
-/// How the continuum becomes bins.
-enum class Scheme {
-    conservative,  ///< finite-volume fragments, cells move by the share of their area in the zone; second order
-    paper,         ///< the paper's fragments, cells move whole by the test of their centre
-};
 
 /// How a solve adds up the fragments.
 enum class SolvePath {
@@ -26,7 +21,17 @@ enum class SolvePath {
     none,       ///< only reported: nothing had to move
 };
 
-/// What one solve did, and how. Masses are shares of the whole.
+/// Choices of a QuasiStatic.
+struct QuasiStaticOptions {
+    Scheme scheme = Scheme::conservative;  ///< of the fragments and of the zones
+    double loading_rate = 0.0;             ///< in [0, 1], share of the fast kernel (Eq. 67)
+    SolvePath path = SolvePath::automatic;
+    friend bool operator==(const QuasiStaticOptions& a, const QuasiStaticOptions& b) {
+        return a.scheme == b.scheme && a.loading_rate == b.loading_rate && a.path == b.path;
+    }
+};
+
+/// Report of one solve: its path and its crushed mass. Masses are shares of the whole.
 struct SolveReport {
     SolvePath path = SolvePath::none;
     Index terms = 0;         ///< K, of the exponential sum; 0 on a path that takes none
@@ -57,7 +62,7 @@ struct Marginal {
 /// Begin-state in, end-state out. One object per thread; a copy has a workspace of its own and costs no set-up.
 /// Many states at once: BatchSolver.
 ///
-/// @throws ParameterError for a bad material or a loading rate outside [0, 1]
+/// @throws ParameterError for a bad material, a loading rate outside [0, 1], or a path that is only reported
 ///
 /// @code{.cpp}
 /// comminute::LogGrid grid(-8.0, 0.0, 201);
@@ -71,8 +76,7 @@ struct Marginal {
 /// @endcode
 class COMMINUTE_API QuasiStatic {
   public:
-    QuasiStatic(const LogGrid& grid, const Material& material, Scheme scheme = Scheme::conservative,
-                double loading_rate = 0.0, SolvePath path = SolvePath::automatic);
+    QuasiStatic(const LogGrid& grid, const Material& material, const QuasiStaticOptions& options = {});
     ~QuasiStatic();
     QuasiStatic(const QuasiStatic& other);
     QuasiStatic& operator=(const QuasiStatic& other);
@@ -81,9 +85,7 @@ class COMMINUTE_API QuasiStatic {
 
     const LogGrid& grid() const;
     const Material& material() const;
-    Scheme scheme() const;
-    double loading_rate() const;
-    SolvePath path() const;
+    const QuasiStaticOptions& options() const;
 
     /// @param state  on this grid
     /// @return the state at rest under the larger of `stress_ratio` and `state.settled_at()`

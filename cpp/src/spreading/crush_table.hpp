@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "comminute/fragments.hpp"
-#include "simd/loops.hpp"
+#include "simd/sums.hpp"
 
 namespace comminute::detail {
 

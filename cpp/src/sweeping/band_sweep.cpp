@@ -7,6 +7,7 @@
 
 #include "simd/lanes.hpp"
 #include "simd/loops.hpp"
+#include "simd/sums.hpp"
 
 namespace comminute::detail {
 namespace {
@@ -210,9 +211,9 @@ double BandSweep::crush_fines(const CrushTable& table, Lines& lines, const Lines
     return moved;
 }
 
-COMMINUTE_INLINE Arm BandSweep::arm_of(const CrushTable& table, Lines& lines, const Lines& other,
-                                       const std::vector<OuterProduct>& arrivals, Index m,
-                                       const double* there, bool whole_state) {
+Arm BandSweep::arm_of(const CrushTable& table, Lines& lines, const Lines& other,
+                      const std::vector<OuterProduct>& arrivals, Index m, const double* there,
+                      bool whole_state) {
     const Index from = lanes_down(first(m));
     const bool more = !by_line_ || !arrivals.empty();
     return {there + from,

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "simd/arms.hpp"
 #include "simd/lanes.hpp"
 #include "spreading/crush_table.hpp"
 #include "zones/active_band.hpp"

@@ -69,7 +69,7 @@ class FiniteCheck {
   public:
     FiniteCheck(const QuasiStatic& solver, const Batch& batch)
         : batch_(batch),
-          largest_(solver.grid(), solver.material(), solver.scheme()),
+          largest_(solver.grid(), solver.material(), solver.options().scheme),
           begin_(static_cast<std::size_t>(solver.grid().bins())),
           end_(begin_.size()) {
         double load = 0.0;

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "simd/loops.hpp"
-#include "simd/multiversion.hpp"
+#include "simd/sums.hpp"
 #include "sweeping/band_sweep.hpp"
 
 // The cells outside the band: nothing crushes there, so the sums of a line, once its own shell has had its turn, give
@@ -14,11 +14,6 @@ namespace {
 
 constexpr Index block = 96;
 constexpr Index rows_a_tile = 16;
-
-COMMINUTE_MULTIVERSION void add_product(const double* a, const double* b, double* to, Index count) {
-    COMMINUTE_INDEPENDENT
-    for (Index k = 0; k < count; ++k) to[k] += a[k] * b[k];
-}
 
 }  // namespace
 
@@ -44,10 +39,9 @@ void BandSweep::near_left(const CrushTable& table, Index i, double* row) const {
         const double mass = *pushed(rows_, shell, i);
         if (mass != 0.0) add_scaled(mass, table.mass_towards(shell, begin), row + begin, end - begin);
     }
-    for (Index a = 0; a < table.terms; ++a) {
-        add_scaled(rows_.near[static_cast<std::size_t>(i * table.terms + a)],
-                   table.powers_towards(a, i, begin), row + begin, end - begin);
-    }
+    if (table.terms == 0) return;
+    add_terms(rows_.near.data() + i * table.terms, {table.powers_towards(0, i, begin), table.stride},
+              table.terms, row + begin, end - begin);
 }
 
 // What lands to its right nearer than the heads of the columns; in row 0, what falls below the grid.
@@ -120,10 +114,9 @@ void BandSweep::far_left(const CrushTable& table, Index begin_row, Index end_row
         const Index to = std::min(end, left_end(table, row));
         if (common >= to) continue;
         const Index terms = terms_at(row, to - 1);
-        for (Index a = 0; a < terms; ++a) {
-            add_scaled(factor(row, a, to - 1), table.powers_towards(a, to - 1, common), out.row(row) + common,
-                       to - common);
-        }
+        for (Index a = 0; a < terms; ++a) factors_[static_cast<std::size_t>(a)] = factor(row, a, to - 1);
+        add_terms(factors_.data(), {table.powers_towards(0, to - 1, common), table.stride}, terms,
+                  out.row(row) + common, to - common);
     }
 }
 
@@ -150,10 +143,9 @@ void BandSweep::far_right(const CrushTable& table, Index begin_row, Index end_ro
         const Index from = std::max(common, right_begin(table, row));
         if (from >= end) continue;
         const Index terms = table.terms_from[static_cast<std::size_t>(from - row - table.head)];
-        for (Index a = 0; a < terms; ++a) {
-            add_product(by_term_.data() + a * bins_ + from, table.powers(a) + from - row - table.head,
-                        out.row(row) + from, end - from);
-        }
+        add_products({by_term_.data() + from, bins_},
+                     {table.powers(0) + from - row - table.head, table.stride}, terms, out.row(row) + from,
+                     end - from);
     }
 }
 

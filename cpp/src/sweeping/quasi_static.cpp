@@ -62,9 +62,7 @@ void move_fragments(const CrushTable& table, const std::vector<double>& crushed,
 struct QuasiStatic::Work {
     LogGrid grid;
     Material material;
-    Scheme scheme;
-    double rate;
-    SolvePath path;
+    QuasiStaticOptions options;
     FragmentPmf fragments;
     ExponentialSum sum;
     double leaves;  // 1 - f_0, the share of one crush that leaves the bin
@@ -79,26 +77,20 @@ struct QuasiStatic::Work {
     PointSweep points;
     std::vector<double> scratch;  // a state that nobody asked for
 
-    Work(const LogGrid& g, const Material& m, Scheme s, double loading_rate, SolvePath p)
+    Work(const LogGrid& g, const Material& m, const QuasiStaticOptions& o)
         : grid(g),
           material(m),
-          scheme(s),
-          rate(loading_rate),
-          path(p),
-          fragments(fragment_pmf(m.fragments, g.spacing(), g.bins(), rule())),
-          sum(exponential_sum(m.fragments, g.spacing(), fragments, rule())),
+          options(o),
+          fragments(fragment_pmf(m.fragments, g.spacing(), g.bins(), o.scheme)),
+          sum(exponential_sum(m.fragments, g.spacing(), fragments, o.scheme)),
           leaves(fragments.below[1]),
           bin_by_bin(CrushTable::make(fragments, {}, leaves)),
           by_sums(CrushTable::make(fragments, sum, leaves)),
-          before(g, m, s),
-          after(g, m, s),
+          before(g, m, o.scheme),
+          after(g, m, o.scheme),
           sweep(g.bins()),
-          blend(fragments, loading_rate),
-          points(g, m, fragments, loading_rate) {}
-
-    FragmentRule rule() const {
-        return scheme == Scheme::paper ? FragmentRule::paper : FragmentRule::conservative;
-    }
+          blend(fragments, o.loading_rate),
+          points(g, m, fragments, o.loading_rate) {}
 
     // A zone costs as much as a small sweep, so what is at hand stays: the same loads for many states, or, where a state
     // goes on from the load before, the zone that it settled in.
@@ -116,8 +108,8 @@ struct QuasiStatic::Work {
     }
 
     const CrushTable& table() const {
-        if (by_sums.terms == 0 || path == SolvePath::direct) return bin_by_bin;
-        if (path == SolvePath::sums) return by_sums;
+        if (by_sums.terms == 0 || options.path == SolvePath::direct) return bin_by_bin;
+        if (options.path == SolvePath::sums) return by_sums;
         Index widest = 0;
         for (Index m = 0; m < grid.bins(); ++m) widest = std::max(widest, after.last(m) + 1);
         return widest > by_sums.head + 2 ? by_sums : bin_by_bin;  // by measurement
@@ -141,7 +133,7 @@ struct QuasiStatic::Work {
     SolveReport settle(MatrixView<const double> state, const std::vector<OuterProduct>& arrivals,
                        std::vector<double>* rows, MatrixView<double>* out) {
         SolveReport report;
-        if (rate > 0.0) {
+        if (options.loading_rate > 0.0) {
             scratch.resize(out == nullptr ? static_cast<std::size_t>(grid.bins() * grid.bins()) : 0);
             const MatrixView<double> to =
                 out != nullptr ? *out : MatrixView<double>(scratch.data(), grid.bins(), grid.bins());
@@ -177,24 +169,23 @@ struct QuasiStatic::Work {
     }
 
     /// Everything but the numbers of the bins, which go to `out` where that is given.
-    FabricAccess::Data settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
-                              SolveReport& report) {
+    FabricParts settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
+                       SolveReport& report) {
         set_loads(state.settled_at(), stress_ratio);
         points.run(state, stress_ratio);
-        std::vector<double> rows = FabricAccess::rows(state);
+        std::vector<double> rows = state.parts().rows;
         report = settle(state.probability(), points.arrivals(), &rows, out);
         report.crushed += points.crushed();
         report.crushed_neighbour += points.crushed_neighbour();
 
-        FabricAccess::Data data{
-            grid, {}, points.atoms(), points.ridges(), stress_ratio, state.mean(), rows, rows, {}, {}};
-        for (const Ridge& ridge : data.ridges) {
+        FabricParts parts{grid, {}, points.atoms(), points.ridges(), stress_ratio, state.mean(), rows,
+                          rows, {}};
+        for (const Ridge& ridge : parts.ridges) {
             if (ridge.exact != Axis::neighbour) continue;
-            Line(data.spread.data(), grid.bins()) += ConstLine(ridge.mass.data(), grid.bins());
+            Line(parts.spread.data(), grid.bins()) += ConstLine(ridge.mass.data(), grid.bins());
         }
-        data.points = exact_sizes(data.atoms, data.ridges);
-        data.grainsize = with_points(grid, data.spread, data.points);
-        return data;
+        parts.points = exact_sizes(parts.atoms, parts.ridges);
+        return parts;
     }
 
     Fabric known(const Fabric& state) const {
@@ -205,7 +196,7 @@ struct QuasiStatic::Work {
                                  text(grid.psi_max()) + " in " + std::to_string(grid.bins()) +
                                  ". Make the solver with fabric.grid()");
         }
-        return scheme == Scheme::paper ? state.binned() : state;
+        return options.scheme == Scheme::paper ? state.binned() : state;
     }
 
     std::vector<double> new_state() const {
@@ -213,15 +204,16 @@ struct QuasiStatic::Work {
     }
 };
 
-QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, Scheme scheme, double loading_rate,
-                         SolvePath path) {
+QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, const QuasiStaticOptions& options) {
+    const double loading_rate = options.loading_rate;
+    const SolvePath path = options.path;
     material.validate();
     require(loading_rate >= 0.0 && loading_rate <= 1.0, "loading_rate", loading_rate, "between 0 and 1");
     if (path == SolvePath::blend || path == SolvePath::none) {
         throw ParameterError(std::string("path is ") + (path == SolvePath::blend ? "blend" : "none") +
                              ", which a solve only reports; ask for automatic, direct or sums");
     }
-    work_ = std::make_unique<Work>(grid, material, scheme, loading_rate, path);
+    work_ = std::make_unique<Work>(grid, material, options);
 }
 
 QuasiStatic::~QuasiStatic() = default;
@@ -239,14 +231,8 @@ const LogGrid& QuasiStatic::grid() const {
 const Material& QuasiStatic::material() const {
     return work_->material;
 }
-Scheme QuasiStatic::scheme() const {
-    return work_->scheme;
-}
-double QuasiStatic::loading_rate() const {
-    return work_->rate;
-}
-SolvePath QuasiStatic::path() const {
-    return work_->path;
+const QuasiStaticOptions& QuasiStatic::options() const {
+    return work_->options;
 }
 
 Fabric QuasiStatic::solve(const Fabric& given, double stress_ratio, SolveReport* report) {
@@ -258,9 +244,9 @@ Fabric QuasiStatic::solve(const Fabric& given, double stress_ratio, SolveReport*
     if (state.settled_at() && stress_ratio <= *state.settled_at()) return state;
     std::vector<double> probability = work_->new_state();
     MatrixView<double> out(probability.data(), grid().bins(), grid().bins());
-    FabricAccess::Data data = work_->settle(state, stress_ratio, &out, said);
-    data.probability = std::move(probability);
-    return FabricAccess::make(std::move(data));
+    FabricParts parts = work_->settle(state, stress_ratio, &out, said);
+    parts.probability = std::move(probability);
+    return FabricAccess::make(std::move(parts));
 }
 
 Marginal QuasiStatic::marginal(const Fabric& given, double stress_ratio) {
@@ -272,9 +258,9 @@ Marginal QuasiStatic::marginal(const Fabric& given, double stress_ratio) {
         marginal.points = state.points();
         return marginal;
     }
-    FabricAccess::Data data = work_->settle(state, stress_ratio, nullptr, marginal.report);
-    marginal.grainsize = std::move(data.grainsize);
-    marginal.points = std::move(data.points);
+    FabricParts parts = work_->settle(state, stress_ratio, nullptr, marginal.report);
+    marginal.grainsize = with_points(grid(), std::move(parts.spread), parts.points);
+    marginal.points = std::move(parts.points);
     return marginal;
 }
 

@@ -36,7 +36,7 @@ void ActiveBand::set_load(double stress_ratio) {
     for (Index begin = 0; begin < grid_.bins(); begin += lanes) set_shells(zones, begin);
 }
 
-// Shells from one on, as many as there are lanes; shell 0, fines among fines, rests.
+// Fills in `lanes` shells from `begin` on; shell 0, fines among fines, rests.
 void ActiveBand::set_shells(const ShellZones& zones, Index begin) {
     const ShellZones::Extents extents = zones.extents(begin);
     const auto end = static_cast<std::size_t>(std::min(lanes, grid_.bins() - begin));

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "comminute/criterion.hpp"
-#include "comminute/quasi_static.hpp"
+#include "comminute/material.hpp"
+#include "comminute/scheme.hpp"
 #include "zones/shell_zone.hpp"
 
 namespace comminute::detail {
@@ -15,11 +16,11 @@ class ActiveBand {
   public:
     ActiveBand(const LogGrid& grid, const Material& material, Scheme scheme);
 
-    /// No load: nothing is active.
+    /// Goes back to no load, under which nothing is active.
     void clear();
     void set_load(double stress_ratio);
 
-    /// Number of distances, from 0 on, at which the whole cell of shell m moves.
+    /// Number of distances, from 0 on, at which cells of shell m move as a whole.
     Index full(Index m) const { return full_[static_cast<std::size_t>(m)]; }
     /// Largest distance at which some of the cell moves; -1 where nothing does.
     Index last(Index m) const { return last_[static_cast<std::size_t>(m)]; }
@@ -41,7 +42,7 @@ class ActiveBand {
     std::vector<Index> last_;
     std::vector<Index> first_partial_;
     std::vector<double> partial_;
-    std::vector<double> shares_;  // of the shells at hand
+    std::vector<double> shares_;  // (rows, lanes) of the shells that set_shells() is at; kept for its memory
 };
 
 }  // namespace comminute::detail

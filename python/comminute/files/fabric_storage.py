@@ -51,13 +51,13 @@ def fabric_variables(fabrics: dict[int, Fabric]) -> dict[str, Any]:
         about = {"long_name": "stress ratio under which the fabric is at rest, NaN if none", "units": "1"}
         found["settled_at"] = ("fabric_load", np.array(settled), about)
     found |= _exact_variables(fabrics)
-    marginals = {k: dict(zip(("rows", "spread"), fabric.carried()[:2], strict=True)) for k, fabric in fabrics.items()}
+    marginals = {k: dict(zip(("rows", "spread"), fabric._carried()[:2], strict=True)) for k, fabric in fabrics.items()}
     for name in ("rows", "spread"):
         about = {"long_name": f"carried marginal, {name}: bit for bit what the next load starts from", **mass}
         found[f"start_{name}"] = ("psi", marginals[START][name], about)
         if kept:
             found[f"carried_{name}"] = (("fabric_load", "psi"), np.stack([marginals[k][name] for k in kept]), about)
-    points = [[k, *point] for k, fabric in fabrics.items() for point in fabric.carried()[2]]
+    points = [[k, *point] for k, fabric in fabrics.items() for point in fabric._carried()[2]]
     names = {"load": "load index, -1 for the start,", "psi": "exact log grainsize", "mass": "mass fraction"}
     return found | columns("carried_point", points, names)
 
@@ -103,5 +103,5 @@ def fabrics_of(
         }
         rest = None if np.isnan(at) else at
         fabric = Fabric(grid, of["fabric"], atoms[load], settled_at=rest, mean=mean, ridges=ridges[load])
-        found[load] = fabric.with_carried(of["rows"], of["spread"], points[load])
+        found[load] = fabric._with_carried(of["rows"], of["spread"], points[load])
     return found

@@ -34,8 +34,8 @@ class SmallRing:
     material : Material
     mean : {"arithmetic", "geometric"}
         Mean by which two neighbours make a neighbourhood grainsize (Eq. 48 or 65).
-    fragment_rule : {"paper", "conservative"}
-        See `fragment_pmf`.
+    scheme : {"conservative", "paper"}
+        Fragments on the grid, as in `fragment_pmf`; cells crush by their bin's centre under either.
 
     Raises
     ------
@@ -45,7 +45,7 @@ class SmallRing:
     Examples
     --------
     >>> import comminute as cm
-    >>> ring = cm.SmallRing(3, cm.LogGrid(-3.0, 0.0, 16), cm.Material(fabric_width=0.5))
+    >>> ring = cm.SmallRing(3, cm.LogGrid(-3.0, 0.0, 16), cm.Material(fabric_width=0.5), scheme="paper")
     >>> p = ring.start(cm.monodisperse(1.0))
     >>> p = ring.step(p, 8.0)
     >>> p.shape, float(p.sum().round(12)), float(ring.grainsize(p)[-1])
@@ -59,7 +59,7 @@ class SmallRing:
         material: Material,
         *,
         mean: Mean = "arithmetic",
-        fragment_rule: Scheme = "paper",
+        scheme: Scheme = "conservative",
     ) -> None:
         if cells not in (2, 3, 4):
             raise ParameterError(f"cells is {cells}; it must be 2, 3 or 4: the state has bins^cells entries")
@@ -71,9 +71,9 @@ class SmallRing:
         self.grid = grid
         self.material = material
         self.mean: Mean = mean
-        self.fragment_rule: Scheme = fragment_rule
+        self.scheme: Scheme = scheme
         self._critical = [self._critical_of(cell) for cell in range(cells)]
-        self._move = _transition(fragment_pmf(material.fragments, grid.spacing, grid.bins, fragment_rule))
+        self._move = _transition(fragment_pmf(material.fragments, grid.spacing, grid.bins, scheme))
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -148,15 +148,12 @@ class SmallRing:
         return isinstance(other, SmallRing) and self._settings() == other._settings()
 
     def _settings(self) -> tuple[object, ...]:
-        return self.cells, self.grid, self.material, self.mean, self.fragment_rule
+        return self.cells, self.grid, self.material, self.mean, self.scheme
 
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        return (
-            f"SmallRing({self.cells}, {self.grid}, {self.material}, mean='{self.mean}', "
-            f"fragment_rule='{self.fragment_rule}')"
-        )
+        return f"SmallRing({self.cells}, {self.grid}, {self.material}, mean='{self.mean}', scheme='{self.scheme}')"
 
 
 def _transition(pmf: Floats) -> Floats:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from comminute.runs.results import Floats
+    from comminute.util.choices import Scheme
 
 # Okabe and Ito's palette, which readers with any colour vision can tell apart; line styles differ as well.
 BLUE, ORANGE, GREEN, RED = "#0072b2", "#e69f00", "#009e73", "#d55e00"
@@ -225,8 +226,9 @@ def plot_fragment_kernel(
     kind: Literal["exact", "slow", "fast"] = "exact",
     limits: tuple[float, float] | None = None,
     decades: float = 2.0,
+    scheme: Scheme = "conservative",
 ) -> Axes:
-    """Shares of the cells that receive the mass of one cell in one step (Fig. 5).
+    """Places that the mass of one cell goes to in one step (Fig. 5, which has the paper's scheme).
 
     Parameters
     ----------
@@ -243,6 +245,8 @@ def plot_fragment_kernel(
         Ends of both axes. Left out: the whole grid, with the fines bin that gathers all that is finer.
     decades : float
         Decades that the colours cover below the cell that receives most.
+    scheme : {"conservative", "paper"}
+        Fragments on the grid, as in `cell_kernel`.
 
     Returns
     -------
@@ -258,7 +262,7 @@ def plot_fragment_kernel(
     'from zone 10'
     """
     ax = new_axes() if ax is None else ax
-    kernel = cell_kernel(grid, material, stress_ratio, i, j, kind)
+    kernel = cell_kernel(grid, material, stress_ratio, i, j, kind, scheme=scheme)
     share = np.ma.masked_less(kernel.T / kernel.max(), 10.0**-decades)
     ax.pcolormesh(
         grid.edges, grid.edges, share, norm=LogNorm(10.0**-decades, 1.0), cmap=DENSITY_COLOURS, rasterized=True

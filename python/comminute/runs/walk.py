@@ -134,9 +134,9 @@ class Engines:
         rate = rate if kind == "blend" else 0.0
         if (name, kind, rate) not in self._steppers:
             self._steppers[name, kind, rate] = (
-                SlowUpdate(self._grid, self._material, fragment_rule=self._scheme)
+                SlowUpdate(self._grid, self._material, scheme=self._scheme)
                 if name == "slow-update"
-                else FullConvolution(self._grid, self._material, kind, loading_rate=rate, fragment_rule=self._scheme)
+                else FullConvolution(self._grid, self._material, kind, loading_rate=rate, scheme=self._scheme)
             )
         return self._steppers[name, kind, rate]
 
