@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from comminute import plotting
 from comminute._core import ParameterError
 from comminute.cli.stats import read_sieve_table
-from comminute.files.storage import open_result
+from comminute.opening import open_result
 from comminute.plotting import everyday as everyday_plots
 from comminute.util.whole_files import write_whole
 

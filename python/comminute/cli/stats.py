@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from comminute._core import Grading, ParameterError
-from comminute.files.storage import open_result
 from comminute.gradings.breakage import breakage_index, breakage_potential, relative_breakage
 from comminute.gradings.curves import SizeCurve
 from comminute.gradings.indices import curvature, fines_share, folk_ward, phi, uniformity
 from comminute.gradings.sieves import convert, unit_of
+from comminute.opening import open_result
 from comminute.runs.remarks import load_labels
 
 BELOW = " lies below the finest size of the curve, "

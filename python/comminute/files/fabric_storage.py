@@ -28,14 +28,14 @@ def columns(what: str, rows: Sequence[Sequence[float]], names: dict[str, str]) -
 
 
 def rows_of(values: Arrays, what: str, names: Sequence[str]) -> Iterator[tuple[float, ...]]:
-    """Rows of a table that `columns` made."""
+    """Rows of a table that `columns` made; none where the file has no such table."""
     if f"{what}_{names[0]}" in values:
         for row in zip(*(values[f"{what}_{name}"] for name in names), strict=True):
             yield tuple(float(x) for x in row)
 
 
 def fabric_variables(fabrics: dict[int, Fabric]) -> dict[str, Any]:
-    """Everything that fabrics are made of but their grid and mean, by the load after which they were kept."""
+    """Variables of fabrics, by the load after which each was kept: all their parts but grid and mean."""
     mass = {"units": "1"}
     text = "mass fraction by grainsize and neighbourhood grainsize"
     kept = [k for k in fabrics if k != START]
@@ -82,7 +82,7 @@ def fabrics_of(
 ) -> dict[int, Fabric]:
     """Fabrics of the variables that `fabric_variables` made, by load; START is the start.
 
-    `settled_at` has the load at which each is at rest, NaN for none.
+    `settled_at` has, for each fabric, the load at which it is at rest; NaN for none.
     """
     atoms: dict[int, list[Atom]] = {k: [] for k in settled_at}
     for load, psi, psibar, mass in rows_of(values, "atom", ("load", "psi", "psibar", "mass")):

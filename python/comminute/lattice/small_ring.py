@@ -13,7 +13,7 @@ from comminute.util.choices import Mean, Scheme
 Floats = npt.NDArray[np.float64]
 
 LARGEST_BINS = 20
-CLOSED = 1e-12  # of the load: a cell exactly at its critical load crushes however that was rounded
+CLOSED = 1e-12  # relative tolerance of the load, so that a cell at its critical load crushes however that was rounded
 
 
 class SmallRing:
@@ -30,10 +30,10 @@ class SmallRing:
     cells : int
         M, 2 to 4; in a ring of two each cell is both neighbours of the other.
     grid : LogGrid
-        At most 20 bins.
+        Grid of at most 20 bins.
     material : Material
     mean : {"arithmetic", "geometric"}
-        How two neighbours make a neighbourhood grainsize (Eq. 48 or 65).
+        Mean by which two neighbours make a neighbourhood grainsize (Eq. 48 or 65).
     scheme : {"conservative", "paper"}
         Fragments on the grid, as in `fragment_pmf`; cells crush by their bin's centre under either.
 
@@ -77,7 +77,7 @@ class SmallRing:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of a law: (N, ..., N), one axis per cell."""
+        """Shape of a law: (N, ..., N), one axis per cell."""
         return (self.grid.bins,) * self.cells
 
     def start(self, grading: Grading) -> Floats:
@@ -93,7 +93,7 @@ class SmallRing:
         return law
 
     def active(self, stress_ratio: float) -> npt.NDArray[np.bool_]:
-        """(M, N, ..., N) whether each cell crushes under a load, state by state (Eq. 33)."""
+        """(M, N, ..., N) truth of each cell's crushing under a load, state by state (Eq. 33)."""
         return np.array([critical <= stress_ratio * (1.0 + CLOSED) for critical in self._critical])
 
     def step(self, law: Floats, stress_ratio: float) -> Floats:

@@ -1,1 +1,1 @@
-"""What every room uses: words, files, equality."""
+"""Helpers of every room: words, texts, files, equality, optional libraries."""

@@ -68,7 +68,13 @@ THINGS = [
     cm.milling(SAND, SAND),
     cm.Zone(1),
 ]
-FAULTS = [cm.ParameterError("a"), cm.ShapeError("b"), cm.UnavailableError("c"), cm.ResolutionWarning("d")]
+FAULTS = [
+    cm.ParameterError("a"),
+    cm.ShapeError("b"),
+    cm.UnavailableError("c"),
+    cm.ResolutionWarning("d"),
+    cm.EditedFileWarning("e"),
+]
 
 
 @pytest.mark.parametrize("thing", THINGS, ids=lambda thing: type(thing).__name__)
