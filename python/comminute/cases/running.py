@@ -15,6 +15,7 @@ from comminute import simulation
 from comminute._core import ParameterError, remix
 from comminute.cases.reading import ReadyCase, case_of_text
 from comminute.files.storage import open_result, require_netcdf, save_netcdf
+from comminute.gradings.tables import wrong_file
 from comminute.runs import continuing
 from comminute.runs.load_path import load_path
 from comminute.runs.recipe import Recipe
@@ -51,7 +52,7 @@ def claimed(target: Path) -> Iterator[None]:
                 f"another run is writing {target.name}; wait for it, or name another file"
             ) from None
         for written in (target, part_of(target)):
-            for scrap in target.parent.glob(f".{glob.escape(written.name)}.*.tmp"):  # of a run that was killed
+            for scrap in target.parent.glob(f".{glob.escape(written.name)}.*.tmp"):  # left by a run that was killed
                 scrap.unlink(missing_ok=True)
         try:
             yield
@@ -73,7 +74,7 @@ def finished_loads(case: ReadyCase, file: Path, remedy: str) -> Result | None:
         return None
     result = open_result(file)
     if result.recipe is None or result.recipe.case != case.text():
-        raise ParameterError(f"{file.name} belongs to another case; {remedy}")
+        raise wrong_file(file.name, "belongs to another case", remedy)
     return result
 
 
@@ -195,7 +196,7 @@ def run_file_again(file: Path, target: Path) -> tuple[Result, bool]:
     -------
     Result
     bool
-        Whether it equals the one in the file in every bit.
+        True if it equals the one in the file in every bit.
 
     Raises
     ------

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from comminute._core import ParameterError
-from comminute.gradings.tables import Row, shorten
+from comminute.gradings.tables import Row, shorten, wrong_file
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -18,7 +17,7 @@ def spreadsheet_rows(path: Path) -> list[Row]:
     Raises
     ------
     ImportError
-        Naming the extra to install.
+        Where pandas or openpyxl is missing; it names the extra to install.
     ParameterError
         For a file that is no spreadsheet.
     """
@@ -31,7 +30,7 @@ def spreadsheet_rows(path: Path) -> list[Row]:
     try:
         sheet = pd.read_excel(path, sheet_name=0, header=None, dtype=object, keep_default_na=False)
     except Exception as error:  # the reader's own errors are of many classes, and none is documented
-        raise ParameterError(f"{path.name} is no readable spreadsheet: {shorten(str(error), 120)}") from error
+        raise wrong_file(path.name, "is no readable spreadsheet", shorten(str(error), 120)) from error
     rows = []
     for number, values in enumerate(sheet.itertuples(index=False, name=None), 1):
         cells = tuple(_text(value) for value in values)
@@ -47,6 +46,6 @@ def _text(value: object) -> str:
 
 
 def _trimmed(rows: list[Row]) -> list[Row]:
-    """Without the columns to the right in which nothing stands."""
+    """Rows without the empty columns to their right."""
     width = max((1 + max(i for i, cell in enumerate(row.cells) if cell) for row in rows), default=0)
     return [Row(row.number, row.cells[:width]) for row in rows]
