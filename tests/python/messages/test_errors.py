@@ -46,7 +46,7 @@ def solve_batch() -> object:
 PARTED: list[tuple[Callable[[], object], str, str, float | None, str, tuple[Place, ...], str]] = [
     (lambda: cm.LogGrid(-6.0, 1.0, 4), "bins", "4", 4.0, "it must be at least 8", (), ""),
     (
-        lambda: cm.Fabric(GRID, 2.0 * STATE),
+        lambda: cm.Fabric(cm.LogGrid(-2.0, 0.0, 8), np.full((8, 8), 1.0 / 32.0)),
         "probability",
         "2",
         2.0,
@@ -58,7 +58,7 @@ PARTED: list[tuple[Callable[[], object], str, str, float | None, str, tuple[Plac
         lambda: cm.Fabric(GRID, -STATE),
         "probability",
         str(-STATE[0, 0]),
-        -STATE[0, 0],
+        float(-STATE[0, 0]),
         "a share of the mass must be finite and at least 0",
         (Place("probability", [0, 0]),),
         "",
@@ -140,9 +140,8 @@ def test_errors_carry_their_parts(
     remedy: str,
 ) -> None:
     error = caught(call)
-    found = (error.parameter, error.value, error.rule, error.place, error.remedy)
-    assert found == (parameter, value, rule, place, remedy)
-    assert error.number == pytest.approx(number, rel=0, abs=0, nan_ok=True)
+    found = (error.parameter, error.value, repr(error.number), error.rule, error.place, error.remedy)
+    assert found == (parameter, value, repr(number), rule, place, remedy)
 
 
 @pytest.mark.parametrize("call", [parted[0] for parted in PARTED])
