@@ -34,8 +34,7 @@ py::array_t<double> strict_array(const py::object& object, const std::vector<py:
              .finding = "has shape " + found,
              .rule = std::string(needed_by) + " needs " + shape_text(shape.data(), shape.size())});
     }
-    const int wanted =
-        static_cast<int>(py::array::c_style) | static_cast<int>(py::detail::npy_api::NPY_ARRAY_ALIGNED_);
+    const int wanted = int{py::array::c_style} | int{py::detail::npy_api::NPY_ARRAY_ALIGNED_};
     if ((array.flags() & wanted) != wanted) {
         throw comminute::ShapeError({.parameter = label,
                                      .finding = "is not a C-ordered (row after row) array",
@@ -60,6 +59,14 @@ py::array_t<double> read_only_view(const double* data, const std::vector<py::ssi
     py::array_t<double> view(shape, data, owner);
     view.attr("flags").attr("writeable") = false;
     return view;
+}
+
+void tell_defaults(py::module_& m, const char* function, const py::dict& values) {
+    const auto read_only = py::module_::import("types").attr("MappingProxyType");
+    py::dict all;
+    if (py::hasattr(m, "defaults")) all.attr("update")(m.attr("defaults"));
+    all[function] = read_only(values);
+    m.attr("defaults") = read_only(all);
 }
 
 PYBIND11_MODULE(_core, m) {

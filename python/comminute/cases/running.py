@@ -15,11 +15,11 @@ from comminute import simulation
 from comminute._core import ParameterError, remix
 from comminute.cases.reading import ReadyCase, case_of_text
 from comminute.files.storage import open_result, require_netcdf, save_netcdf
-from comminute.gradings.tables import wrong_file
 from comminute.runs import continuing
 from comminute.runs.load_path import load_path
 from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning, resolution_warnings
+from comminute.util.errors import wrong_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

@@ -10,17 +10,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from comminute._core import Grading, ParameterError, Place
+from comminute._core import Grading, ParameterError, Place, defaults
+from comminute.gradings.rows import Row
 from comminute.gradings.sieves import IN_MM, convert, sieve_size, unit_of
-from comminute.gradings.tables import Row, Table, read_table, wrong_file
-from comminute.util.errors import parameter_error, reworded
+from comminute.gradings.tables import Table, read_table
+from comminute.util.errors import parameter_error, reworded, wrong_file
 
 Top = Literal["error", "extend"]
+SIEVES = defaults["from_sieves"]
 VALUES = ("percent_finer", "percent_retained", "percent_cumulative_retained", "mass_retained_g")
 ALIASES = {"percent_passing": "percent_finer", "percent_coarser": "percent_cumulative_retained"}
 SIZES = ("size_mm", "size_um", "size_cm", "size_m", "size_in", "phi", "sieve")
-SIZE_WORDS = "sieve|sieve_size|sieve_opening|opening|aperture|diameter|grainsize|grain_size"  # before a unit
-ROUNDED = 0.5  # per cent by which a laboratory's rounded shares may miss 100
+SIZE_WORDS = "sieve|sieve_size|sieve_opening|opening|aperture|diameter|grainsize|grain_size"  # followed by a unit
+ROUNDED = 0.5  # [per cent] largest distance of the sum of rounded shares from 100
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class SieveData:
     notes: tuple[str, ...]
     name: str
 
-    def grading(self, *, top: Top = "error", number: bool = False) -> Grading:
+    def grading(self, *, top: Top, number: bool) -> Grading:
         """Grading of these sieves; errors name the file and its rows."""
         try:
             return Grading.from_sieves(
@@ -74,7 +76,11 @@ class SieveData:
 
 
 def read_grading(
-    path: str | os.PathLike[str], *, unit: str | None = None, top: Top = "error", number: bool = False
+    path: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    top: Top = SIEVES["top"],
+    number: bool = SIEVES["number"],
 ) -> Grading:
     r"""Measured curve from a sieve table: .csv, .txt, .tsv, or .xlsx with the extra `xlsx`.
 
@@ -104,7 +110,7 @@ def read_grading(
     ParameterError
         For a table that makes no grading; it names file, row, column and value, the rule, and the remedy.
     ImportError
-        For .xlsx where pandas or openpyxl is missing.
+        For .xlsx where openpyxl is missing.
 
     Examples
     --------
@@ -164,7 +170,7 @@ def read_sieves(path: str | os.PathLike[str], *, unit: str | None = None) -> Sie
 
 
 def _columns(table: Table) -> tuple[int, str, str, int, str, list[str]]:
-    """Index and name of the size column, unit of the sizes, index and name of the value column, and other columns."""
+    """Index and name of the size column, unit of the sizes, index and name of the value column, and unused columns."""
     found_sizes, found_values, unused = [], [], []
     for index, raw in table.columns():
         name = _usual(raw)
@@ -211,7 +217,7 @@ def _wrong_header(
 
 
 def _size(table: Table, row: Row, column: int, name: str) -> float:
-    """One sieve opening, in the unit that the column has (mm for phi and designations)."""
+    """One sieve opening, in the unit of its column (mm for phi and designations)."""
     if name == "sieve":
         try:
             return sieve_size(row.cells[column])
@@ -261,7 +267,7 @@ def _from_cumulative(table: Table, values: list[float], in_pan: float | None, no
 def _from_retained(
     table: Table, name: str, sizes: list[float], values: list[float], in_pan: float | None, notes: list[str]
 ) -> list[float]:
-    """Per cent finer from the masses or shares on each sieve and in the pan."""
+    """Per cent finer on each sieve, from the mass or share retained on each and in the pan."""
     total = math.fsum(values) + (in_pan or 0.0)
     if not total > 0.0:
         raise _wrong_total(table, name, total, "some mass must be on the sieves")
@@ -292,7 +298,7 @@ def _from_retained(
     for q in order:
         finer[q] = 100.0 * min(math.fsum([rest, *passed]) / whole, 1.0)
         passed.append(values[q])
-    # all grains pass the sieves above the coarsest that holds mass, whatever the rounding
+    # a sieve is passed by all where nothing stays on it or above, whatever the rounding
     for q in reversed(order):
         if values[q] != 0.0:
             break

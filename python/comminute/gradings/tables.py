@@ -9,28 +9,23 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from comminute._core import ParameterError, Place
-from comminute.util.errors import parameter_error
+from comminute._core import Place
+from comminute.gradings.rows import Row
+from comminute.gradings.spreadsheets import spreadsheet_rows
+from comminute.util.errors import parameter_error, wrong_file
+from comminute.util.names import is_file, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma"}
-MOST_BYTES = 16_000_000  # most bytes of a sieve table; a larger file is of another kind
+MOST_BYTES = 16_000_000  # largest sieve table; anything larger is another kind of file
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True)
-class Row:
-    """One line of a table: its number in the file, counted from 1, and its cells as text."""
-
-    number: int
-    cells: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class Table:
-    """Header and rows of a file; cells are text until a column is asked for as numbers."""
+    """Header and rows of a file; a cell is text until it is read as a number."""
 
     name: str
     header: Row
@@ -52,7 +47,7 @@ class Table:
         Raises
         ------
         ParameterError
-            For a cell that is empty or no number; it names file, row, column and text.
+            For a cell that is no finite number; the message names file, row, column and text.
         """
         text = row.cells[column].strip()
         plain = text.removesuffix("%").rstrip()
@@ -70,25 +65,6 @@ class Table:
         raise parameter_error(name, found, rule, subject="the value", place=self.place(row, name))
 
 
-def wrong_file(name: str, finding: str, rule: str) -> ParameterError:
-    """Make the error of a file that is wrong as a whole: "<name> <finding>; <rule>"."""
-    return parameter_error("file", shorten(name), rule, subject=shorten(name, 200), finding=finding)
-
-
-def shorten(text: str, most: int = 40) -> str:
-    """Text for a message: printable, and no longer than a line can hold."""
-    clean = "".join(c if c.isprintable() else "?" for c in text)
-    return clean if len(clean) <= most else clean[: most - 3] + "..."
-
-
-def is_file(path: Path) -> bool:
-    """Whether a path names a file; a name that no file can have does not."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
-
-
 def read_table(path: Path) -> Table:
     """Table in a .csv, .txt, .tsv or .xlsx file.
 
@@ -97,7 +73,7 @@ def read_table(path: Path) -> Table:
     ParameterError
         For a file that is missing, empty, no text, or uneven; the message names file and row.
     ImportError
-        For .xlsx where pandas or openpyxl is missing.
+        For .xlsx where openpyxl is missing.
     """
     if not is_file(path):
         raise wrong_file(str(path), "is no file", "give a sieve table (.csv or .xlsx)")
@@ -105,8 +81,6 @@ def read_table(path: Path) -> Table:
         size = f"{path.stat().st_size / 1e6:.0f} MB"
         raise wrong_file(path.name, f"has {size}", "a sieve table has a few lines")
     if path.suffix.lower() in (".xlsx", ".xls", ".ods"):
-        from comminute.gradings.spreadsheets import spreadsheet_rows  # noqa: PLC0415  (pandas is optional)
-
         return _table(path.name, spreadsheet_rows(path), decimal_comma=False)
     return _text_table(path)
 

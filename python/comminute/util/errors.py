@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
 from comminute._core import ParameterError, Place, ShapeError, UnavailableError, _remedy_words, _worded
+from comminute.util.names import shorten
 
 Fault = TypeVar("Fault", bound=ParameterError | ShapeError | UnavailableError)
 SENTENCE = ("parameter", "value", "subject", "finding", "also", "rule", "place")  # the parts of a message
@@ -119,6 +120,11 @@ def parameter_error(
         "remedy": remedy,
     }
     return _made(ParameterError, parts, PYTHON)
+
+
+def wrong_file(name: str, finding: str, rule: str) -> ParameterError:
+    """Make the error of a file that is wrong as a whole: "<name> <finding>; <rule>"."""
+    return parameter_error("file", shorten(name), rule, subject=shorten(name, 200), finding=finding)
 
 
 def reworded(
