@@ -11,6 +11,7 @@
 
 namespace py = pybind11;
 
+void register_errors(py::module_& m);
 // One function for each room of the library that Python sees, in the order of the rooms.
 void register_model(py::module_& m);
 void register_zones(py::module_& m);

@@ -13,12 +13,7 @@ PYBIND11_MODULE(_core, m) {
     m.doc() = "The C++ core of comminute; import comminute instead.";
     m.attr("__version__") = comminute::version;
     m.attr("has_fftw") = comminute::has_fftw();
-    py::register_exception<comminute::ParameterError>(m, "ParameterError", PyExc_ValueError).attr("__doc__") =
-        "A parameter outside its range; the message gives its value and the rule.";
-    py::register_exception<comminute::ShapeError>(m, "ShapeError", PyExc_ValueError).attr("__doc__") =
-        "An array whose shape, order or overlap does not fit; the message gives both shapes.";
-    py::register_exception<comminute::UnavailableError>(m, "UnavailableError", PyExc_RuntimeError)
-        .attr("__doc__") = "A part that this build leaves out; the message says how to get it.";
+    register_errors(m);
     register_model(m);
     register_zones(m);
     register_fabric(m);

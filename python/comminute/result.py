@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
-from comminute._core import ParameterError
 from comminute.files.arrays import save_npz
 from comminute.files.storage import save_netcdf, to_dataset
 from comminute.runs.continuing import again, resumed
@@ -16,6 +15,7 @@ from comminute.runs.load_path import Keep, load_path, wanted_fabrics
 from comminute.runs.outcomes import Outcome
 from comminute.runs.path_run import PathRun
 from comminute.runs.results import LatticeData, ResultData
+from comminute.util.errors import parameter_error
 from comminute.util.optional import needs
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ class Result(ResultData):
         """
         target = Path(path)
         if target.suffix not in WRITERS:
-            raise ParameterError(f"path is '{target}'; it must end in .nc or .npz")
+            raise parameter_error("path", f"'{target}'", "it must end in .nc or .npz")
         return WRITERS[target.suffix](self, target)
 
     def resume(

@@ -18,7 +18,7 @@ namespace comminute {
 /// lower end, at 1 the largest size.
 struct COMMINUTE_API PointMasses {
     std::vector<double> size;   ///< > 0, ascending
-    std::vector<double> share;  ///< of the mass, each > 0, sum 1
+    std::vector<double> share;  ///< shares of the mass, each > 0, sum 1
 
     double finer(double size_at) const;
     double quantile(double share_finer) const;
@@ -115,8 +115,6 @@ struct SieveOptions {
     bool extend_top = false;  ///< carry the last slope in ln d on to 100 % where the curve stops short of it
     /// The shares count grains; they are weighed with size cubed, mass spread evenly in ln d between sieves.
     bool by_number = false;
-    std::vector<std::string> places = {};  ///< what errors call each point; none: "row 1", ...
-    std::string if_retained = "convert them to per cent finer first";  ///< remedy for a falling curve
 };
 
 using GradingLaw =
@@ -188,7 +186,8 @@ COMMINUTE_API Grading rosin_rammler(double d63, double exponent,
                                     std::optional<double> largest = std::nullopt);
 /// @param size           two or more sieve openings in any order, all different
 /// @param percent_finer  one a sieve, 0 to 100, never falling with size, 100 at the coarsest; a curve that ends at
-///                       exactly 1 is read as fractions (a note says so)
+///                       exactly 1 is read as fractions (a note says so). Errors name a point as the row of a table,
+///                       counted from 1 in the order given
 COMMINUTE_API Grading sieve_grading(const std::vector<double>& size, const std::vector<double>& percent_finer,
                                     const SieveOptions& options = {});
 ///@}

@@ -2,46 +2,54 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "comminute/error.hpp"
+#include "base/check.hpp"
 #include "comminute/grading.hpp"
 
 namespace comminute {
+
+using namespace detail;
 
 namespace {
 
 struct Point {
     double size;
     double finer;
-    std::string place;  // where the user wrote it
+    Index row;  // counted from 1, in the order in which the points were given
+
+    Place place() const { return {.name = "", .row = row}; }
 };
 
-std::vector<Point> sorted_points(const std::vector<double>& size, const std::vector<double>& percent_finer,
-                                 const std::vector<std::string>& places) {
-    if (size.size() != percent_finer.size()) {
-        throw ShapeError("size has " + std::to_string(size.size()) + " entries and percent_finer has " +
-                         std::to_string(percent_finer.size()) + "; give one per cent finer for each size");
-    }
-    if (!places.empty() && places.size() != size.size()) {
-        throw ShapeError("size has " + std::to_string(size.size()) + " entries and places has " +
-                         std::to_string(places.size()) + "; name every point or none");
-    }
-    if (size.size() < 2) {
-        throw ParameterError("the sieve curve has " + std::to_string(size.size()) +
-                             " points; it must have at least 2");
+std::vector<Point> sorted_points(const std::vector<double>& size, const std::vector<double>& percent_finer) {
+    const auto count = static_cast<Index>(size.size());
+    require_entries(static_cast<Index>(percent_finer.size()), count, entry("percent_finer"),
+                    "it must have one for each of the " + std::to_string(count) + " sizes");
+    if (count < 2) {
+        throw ParameterError({.parameter = "size",
+                              .value = std::to_string(count),
+                              .number = static_cast<double>(count),
+                              .subject = "the sieve curve",
+                              .finding = "has " + std::to_string(count) + " points",
+                              .rule = "it must have at least 2"});
     }
     std::vector<Point> points;
     for (std::size_t q = 0; q < size.size(); ++q) {
-        const Point point{size[q], percent_finer[q],
-                          places.empty() ? "row " + std::to_string(q + 1) : places[q]};
-        if (!(point.size > 0.0 && std::isfinite(point.size))) {
-            throw ParameterError(point.place + ": size is " + text(point.size) +
-                                 "; it must be greater than 0 and finite");
-        }
-        if (!(point.finer >= 0.0 && point.finer <= 100.0)) {
-            throw ParameterError(point.place + ": percent_finer is " + text(point.finer) +
-                                 "; it must be between 0 and 100");
-        }
+        const Point point{size[q], percent_finer[q], static_cast<Index>(q) + 1};
+        const auto require_in_row = [&point](bool ok, const char* column, double value, const char* rule) {
+            if (ok) return;
+            throw ParameterError({.parameter = column,
+                                  .value = text(value),
+                                  .number = value,
+                                  .rule = rule,
+                                  .place = {point.place()}});
+        };
+        require_in_row(point.size > 0.0 && std::isfinite(point.size), "size", point.size,
+                       "it must be greater than 0 and finite");
+        require_in_row(point.finer >= 0.0 && point.finer <= 100.0, "percent_finer", point.finer,
+                       "it must be between 0 and 100");
         points.push_back(point);
     }
     std::stable_sort(points.begin(), points.end(),
@@ -49,21 +57,31 @@ std::vector<Point> sorted_points(const std::vector<double>& size, const std::vec
     return points;
 }
 
-void require_rising(const std::vector<Point>& points, const SieveOptions& options) {
-    const std::string in_unit = options.unit.empty() ? "" : " " + options.unit;
+void require_rising(const std::vector<Point>& points, const std::string& unit) {
+    const std::string in_unit = unit.empty() ? "" : " " + unit;
     for (std::size_t q = 1; q < points.size(); ++q) {
         const Point& below = points[q - 1];
         const Point& here = points[q];
         if (here.size == below.size) {
-            throw ParameterError(here.place + ": size " + text(here.size) + in_unit + " stands in " +
-                                 below.place + " already; each sieve may appear once");
+            throw ParameterError({.parameter = "size",
+                                  .value = text(here.size),
+                                  .number = here.size,
+                                  .subject = "size " + text(here.size) + in_unit,
+                                  .finding = "stands already in",
+                                  .also = below.place(),
+                                  .rule = "each sieve may appear once",
+                                  .place = {here.place()}});
         }
         if (here.finer < below.finer) {
-            throw ParameterError(here.place + ": " + text(here.finer) + " % finer at " + text(here.size) +
-                                 in_unit + " is less than " + text(below.finer) + " % at " +
-                                 text(below.size) + in_unit +
-                                 "; cumulative per cent finer cannot fall with size. Retained percentages? " +
-                                 options.if_retained);
+            throw ParameterError(
+                {.parameter = "percent_finer",
+                 .value = text(here.finer),
+                 .number = here.finer,
+                 .subject = text(here.finer) + " % finer at " + text(here.size) + in_unit,
+                 .finding = "is less than " + text(below.finer) + " % at " + text(below.size) + in_unit,
+                 .rule = "cumulative per cent finer cannot fall with size",
+                 .place = {here.place()},
+                 .remedy = Remedy::cumulate_retained});
         }
     }
 }
@@ -75,21 +93,25 @@ void close_top(std::vector<Point>& points, const std::string& unit, bool extend,
     if (last.finer == 100.0) return;
     const Point before = points[points.size() - 2];
     const std::string in_unit = unit.empty() ? "" : " " + unit;
-    const std::string found = "the coarsest sieve, " + text(last.size) + in_unit + ", has " +
-                              text(last.finer) + " % finer, not 100 %";
+    const std::string coarsest = "the coarsest sieve, " + text(last.size) + in_unit + ",";
+    const std::string found = "has " + text(last.finer) + " % finer, not 100 %";
     if (!extend || last.finer == before.finer) {
-        throw ParameterError(found + "; add the size that all grains pass" +
-                             (extend ? " (top = \"extend\" cannot: the curve is flat there)"
-                                     : ", or pass top = \"extend\" to carry the last slope on to 100 %"));
+        throw ParameterError({.parameter = "percent_finer",
+                              .value = text(last.finer),
+                              .number = last.finer,
+                              .subject = coarsest,
+                              .finding = found,
+                              .rule = extend ? "the curve is flat there and has no slope to carry on" : "",
+                              .remedy = extend ? Remedy::add_coarser_sieve : Remedy::extend_top});
     }
     const double slope = (last.finer - before.finer) / std::log(last.size / before.size);
     const double top = last.size * std::exp((100.0 - last.finer) / slope);
-    points.push_back({top, 100.0, ""});
-    notes.push_back(found + ": the curve is carried on at its last slope to 100 % at " + rounded(top) +
-                    in_unit);
+    points.push_back({top, 100.0, 0});
+    notes.push_back(coarsest + " " + found + ": the curve is carried on at its last slope to 100 % at " +
+                    rounded(top) + in_unit);
 }
 
-// Plateaus at 0 % and at 100 % say nothing but where the grains end.
+// Plateaus at 0 % and at 100 % tell only where the grains end; one point of each is enough for that.
 void trim(std::vector<Point>& points) {
     while (points.size() > 2 && points[points.size() - 2].finer == 100.0) points.pop_back();
     while (points.size() > 2 && points[1].finer == 0.0) points.erase(points.begin());
@@ -102,14 +124,18 @@ double tail_slope(const std::vector<Point>& points, const std::string& unit,
     if (finest.finer == 0.0) return 0.0;
     const std::string in_unit = unit.empty() ? "" : " " + unit;
     const double slope = std::log(next.finer / finest.finer) / std::log(next.size / finest.size);
-    const std::string found =
-        rounded(finest.finer) + " % is finer than the finest sieve, " + text(finest.size) + in_unit;
+    const std::string share = rounded(finest.finer) + " %";
+    const std::string found = "is finer than the finest sieve, " + text(finest.size) + in_unit;
     if (!(slope > 0.0)) {
-        throw ParameterError(found +
-                             ", and the curve is flat above it, so no tail can be read from it; add a size "
-                             "with 0 % finer");
+        throw ParameterError(
+            {.parameter = "percent_finer",
+             .value = text(finest.finer),
+             .number = finest.finer,
+             .subject = share,
+             .finding = found + ", and the curve is flat above it, so no tail can be read from it",
+             .remedy = Remedy::add_finer_sieve});
     }
-    notes.push_back(found + ": it continues as a power law of slope " +
+    notes.push_back(share + " " + found + ": it continues as a power law of slope " +
                     rounded(std::round(1e4 * slope) / 1e4) + ", through the two finest points");
     return slope;
 }
@@ -118,11 +144,14 @@ double tail_slope(const std::vector<Point>& points, const std::string& unit,
 // proportion to the mean of d^-3.
 void weigh(std::vector<Point>& points, const std::string& unit) {
     if (points[0].finer > 0.0) {
-        throw ParameterError(
-            rounded(points[0].finer) + " % of the grains are finer than the finest sieve, " +
-            text(points[0].size) + (unit.empty() ? "" : " " + unit) +
-            "; numbers of grains need a size with 0 % finer, since no mass can be read from an "
-            "open tail");
+        throw ParameterError({.parameter = "percent_finer",
+                              .value = text(points[0].finer),
+                              .number = points[0].finer,
+                              .subject = rounded(points[0].finer) + " % of the grains",
+                              .finding = "are finer than the finest sieve, " + text(points[0].size) +
+                                         (unit.empty() ? "" : " " + unit),
+                              .rule = "no mass can be read from an open tail of numbers of grains",
+                              .remedy = Remedy::add_finer_sieve});
     }
     const double largest = points.back().size;
     std::vector<double> mass{0.0};
@@ -140,13 +169,13 @@ void weigh(std::vector<Point>& points, const std::string& unit) {
 Grading sieve_grading(const std::vector<double>& size, const std::vector<double>& percent_finer,
                       const SieveOptions& options) {
     std::vector<std::string> notes;
-    std::vector<Point> points = sorted_points(size, percent_finer, options.places);
+    std::vector<Point> points = sorted_points(size, percent_finer);
     const auto by_finer = [](const Point& p, const Point& q) { return p.finer < q.finer; };
     if (std::max_element(points.begin(), points.end(), by_finer)->finer == 1.0) {
         for (Point& point : points) point.finer *= 100.0;
         notes.emplace_back("the values end at 1: read as fractions, not per cent");
     }
-    require_rising(points, options);
+    require_rising(points, options.unit);
     close_top(points, options.unit, options.extend_top, notes);
     trim(points);
     if (options.by_number) {

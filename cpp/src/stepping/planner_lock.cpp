@@ -25,8 +25,11 @@ Functions in_use = own;
 
 void set_fft_planner_lock(void (*lock)(void*), void (*unlock)(void*), void* data) {
     if ((lock == nullptr) != (unlock == nullptr)) {
-        throw ParameterError(lock == nullptr ? "lock is null but unlock is not; give both, or neither"
-                                             : "unlock is null but lock is not; give both, or neither");
+        const bool no_lock = lock == nullptr;
+        throw ParameterError({.parameter = no_lock ? "lock" : "unlock",
+                              .value = "null",
+                              .finding = no_lock ? "is null but unlock is not" : "is null but lock is not",
+                              .rule = "give both, or neither"});
     }
     in_use = lock == nullptr ? own : Functions{lock, unlock, data};
 }

@@ -26,6 +26,7 @@ from comminute.cases.running import (
 from comminute.cli import texts as cli_texts
 from comminute.result import Interrupted, Result
 from comminute.runs.remarks import ResolutionWarning
+from comminute.util.errors import parameter_error
 from comminute.util.names import shorten
 
 WRONG_INPUT, EXISTS, FAILED, MISSING_EXTRA, STOPPED = 2, 3, 4, 5, 130
@@ -128,7 +129,8 @@ def run(
     cases = read_case(case)
     if output is not None:
         if len(cases) > 1:
-            raise ParameterError(f"--output names one file, and {case.name} makes {len(cases)} runs; leave it out")
+            finding = f"names one file, and {case.name} makes {len(cases)} runs"
+            raise parameter_error("--output", output, finding=finding, remedy="leave_out")
         cases = [cases[0].at(output)]
     work = [(ready, _begun(ready, resume=resume, force=force)) for ready in cases]
     done = []
@@ -218,7 +220,7 @@ def stats(
     from comminute.cli import stats as cli_stats  # noqa: PLC0415  (keeps the other commands quick)
 
     found = cli_stats.stats_of(file, number=number, top=top, extrapolate=extrapolate)
-    print(json.dumps(found) if as_json else cli_stats.as_text(found))
+    print(json.dumps(cli_stats.as_json(found)) if as_json else cli_stats.as_text(found))
 
 
 @app.command()
@@ -266,9 +268,9 @@ def doctor(as_json: Json = False) -> None:
 
 def _require_writable(output: Path, endings: Sequence[str]) -> None:
     if output.suffix not in endings:
-        raise ParameterError(f"--output is '{output}'; it must end in {', '.join(endings)}")
+        raise parameter_error("--output", f"'{output}'", f"it must end in {', '.join(endings)}")
     if not output.parent.is_dir():
-        raise ParameterError(f"--output is '{output}'; its folder does not exist")
+        raise parameter_error("--output", f"'{output}'", "its folder does not exist")
 
 
 def _refuse_existing(file: Path, force: bool) -> None:

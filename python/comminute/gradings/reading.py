@@ -10,12 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from comminute._core import Grading, ParameterError
+from comminute._core import Grading, ParameterError, Place, defaults
 from comminute.gradings.rows import Row
-from comminute.gradings.sieves import convert, sieve_size, unit_of
+from comminute.gradings.sieves import IN_MM, convert, sieve_size, unit_of
 from comminute.gradings.tables import Table, read_table
+from comminute.util.errors import parameter_error, reworded, wrong_file
 
 Top = Literal["error", "extend"]
+SIEVES = defaults["from_sieves"]
 VALUES = ("percent_finer", "percent_retained", "percent_cumulative_retained", "mass_retained_g")
 ALIASES = {"percent_passing": "percent_finer", "percent_coarser": "percent_cumulative_retained"}
 SIZES = ("size_mm", "size_um", "size_cm", "size_m", "size_in", "phi", "sieve")
@@ -25,7 +27,21 @@ ROUNDED = 0.5  # [per cent] largest distance of the sum of rounded shares from 1
 
 @dataclass(frozen=True)
 class SieveData:
-    """Content of a sieve table: its sieves in their order, per cent finer, and the assumptions made in reading it."""
+    """Sieves of a file in its order, per cent finer, and the assumptions made in reading it.
+
+    Attributes
+    ----------
+    size, percent_finer : tuple of float
+        One of each for every sieve.
+    unit : str
+        Unit of the sizes.
+    places : tuple of str
+        Place of each sieve, "sand.csv row 5"; empty for sieves that stand in a case.
+    notes : tuple of str
+        The assumptions, in plain words.
+    name : str
+        Name of the file, or of the table of a case.
+    """
 
     size: tuple[float, ...]
     percent_finer: tuple[float, ...]
@@ -38,44 +54,94 @@ class SieveData:
         """Grading of these sieves; errors name the file and its rows."""
         try:
             return Grading.from_sieves(
-                self.size,
-                self.percent_finer,
-                self.unit,
-                top=top,
-                number=number,
-                places=self.places,
-                notes=self.notes,
-                if_retained="name the column percent_retained.",
+                self.size, self.percent_finer, self.unit, top=top, number=number, notes=self.notes
             )
         except ParameterError as error:
-            message = str(error)
-            raise ParameterError(message if message.startswith(self.name) else f"{self.name}: {message}") from None
+            raise self._in_file(error) from None
+
+    def _in_file(self, error: ParameterError) -> ParameterError:
+        """Give an error, whose rows count the sieves, the rows of the file and a remedy for its columns."""
+        place = error.place and self._place(error.place[0])
+        changed: dict[str, object] = {
+            "place": place or (Place(self.name),),
+            "also": error.also and self._place(error.also)[-1],
+        }
+        if error.remedy == "cumulate_retained" and self.places:
+            changed["remedy"] = "name_retained_column"
+        return reworded(error, changed=changed)
+
+    def _place(self, sieve: Place) -> tuple[Place, ...]:
+        """Place in the file of a sieve that the core knows by its row in the lists, counted from 1."""
+        return (Place(self.places[sieve.row - 1]),) if self.places else (Place(self.name), sieve)
 
 
-def read_grading(path: str | os.PathLike[str], *, unit: str | None, top: Top, number: bool) -> Grading:
-    """Grading from a sieve table; see `Grading.read`."""
+def read_grading(
+    path: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    top: Top = SIEVES["top"],
+    number: bool = SIEVES["number"],
+) -> Grading:
+    r"""Measured curve from a sieve table: .csv, .txt, .tsv, or .xlsx with the extra `xlsx`.
+
+    The header names a size column, `size_mm` (or um, cm, m, in), `phi`, or `sieve` (ASTM E11 numbers and
+    inches, or openings with their unit), and one of `percent_finer`, `percent_retained` (on each sieve),
+    `percent_cumulative_retained`, `mass_retained_g`. Rows in any order; one may be the `pan`. Columns are
+    separated by commas, semicolons or tabs, and with the last two decimal commas are read. Lines that begin
+    with # are comments.
+
+    Parameters
+    ----------
+    path : path-like
+    unit : str, optional
+        Unit of the sizes of the grading; left out: the unit of the file, mm for phi and sieve.
+    top : {"error", "extend"}
+        See `Grading.from_sieves`.
+    number : bool
+        The shares count grains; see `Grading.from_sieves`.
+
+    Returns
+    -------
+    Grading
+        Its `notes` say what was converted or assumed.
+
+    Raises
+    ------
+    ParameterError
+        For a table that makes no grading; it names file, row, column and value, the rule, and the remedy.
+    ImportError
+        For .xlsx where openpyxl is missing.
+
+    Examples
+    --------
+    >>> import comminute as cm, pathlib, tempfile
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "sand.csv")
+    >>> _ = path.write_text("size_mm;mass_retained_g\n2,0;0\n1,0;30\n0,5;50\npan;20\n")
+    >>> cm.Grading.read(path).finer([2.0, 1.0, 0.5])
+    array([1. , 0.7, 0.2])
+    """
     return read_sieves(path, unit=unit).grading(top=top, number=number)
 
 
 def read_sieves(path: str | os.PathLike[str], *, unit: str | None = None) -> SieveData:
-    """Sieves and per cent finer from a file; see `Grading.read`."""
+    """Sieves and per cent finer from a file; see `read_grading`."""
     table = read_table(Path(path))
     size_column, size_name, file_unit, value_column, value_name, unused = _columns(table)
     to = file_unit if unit is None else unit_of(unit)
     if not to:
-        raise ParameterError(f"unit is '{unit}'; it must be one of nm, um, mm, cm, m, in")
+        raise parameter_error("unit", f"'{unit}'", f"it must be one of {', '.join(IN_MM)}")
     sizes, values, rows, pan = [], [], [], None
     for row in table.rows:
         if row.cells[size_column].strip().lower() == "pan":
             if pan is not None:
-                raise ParameterError(f"{table.place(row)}: a second pan; a table has one")
+                raise parameter_error("pan", subject="a second pan", rule="a table has one", place=table.place(row))
             pan = row
             continue
         sizes.append(convert(_size(table, row, size_column, size_name), file_unit, to))
         values.append(_value(table, row, value_column, value_name))
         rows.append(row)
     if not rows:
-        raise ParameterError(f"{table.name} has a header but no sieves; it needs at least two")
+        raise wrong_file(table.name, "has a header but no sieves", "it needs at least two")
     notes = [f"column '{name}' of {table.name} is not used" for name in unused]
     if size_name in ("phi", "sieve"):
         what = "phi" if size_name == "phi" else "sieve designations"
@@ -85,15 +151,21 @@ def read_sieves(path: str | os.PathLike[str], *, unit: str | None = None) -> Sie
     in_pan = None if pan is None else _value(table, pan, value_column, value_name)
     if value_name == "percent_finer":
         if in_pan:
-            raise ParameterError(
-                f"{table.place(pan or rows[0])}: {in_pan:g} % finer than the pan, which holds all: leave it out"
+            raise parameter_error(
+                "percent_finer",
+                in_pan,
+                "the pan holds all",
+                subject=f"{in_pan:g} %",
+                finding="is finer than the pan",
+                place=table.place(pan or rows[0]),
+                remedy="leave_out",
             )
         finer = values
     elif value_name == "percent_cumulative_retained":
         finer = _from_cumulative(table, values, in_pan, notes)
     else:
         finer = _from_retained(table, value_name, sizes, values, in_pan, notes)
-    places = tuple(table.place(row) for row in rows)
+    places = tuple(str(table.place(row)) for row in rows)
     return SieveData(tuple(sizes), tuple(finer), to, places, tuple(notes), table.name)
 
 
@@ -109,11 +181,10 @@ def _columns(table: Table) -> tuple[int, str, str, int, str, list[str]]:
             found_values.append((index, name))
         else:
             unused.append(table.header.cells[index].strip())
-    where = f"{table.name} row {table.header.number}"
     if len(found_sizes) != 1:
-        raise ParameterError(where + _wrong_header("size", [name for _, name, _ in found_sizes], SIZES, unused))
+        raise _wrong_header(table, "size", [name for _, name, _ in found_sizes], SIZES, unused)
     if len(found_values) != 1:
-        raise ParameterError(where + _wrong_header("value", [name for _, name in found_values], VALUES, unused))
+        raise _wrong_header(table, "value", [name for _, name in found_values], VALUES, unused)
     return (*found_sizes[0], *found_values[0], unused)
 
 
@@ -127,15 +198,22 @@ def _usual(name: str) -> str:
     return ALIASES.get(plain, plain)
 
 
-def _wrong_header(kind: str, found: list[str], known: tuple[str, ...], unused: list[str]) -> str:
-    """Say what a header lacks or has too much of, with the nearest name that would do."""
+def _wrong_header(
+    table: Table, kind: str, found: list[str], known: tuple[str, ...], unused: list[str]
+) -> ParameterError:
+    """Make the error of a header that lacks a column or has one too many, with the nearest name that would do."""
+    place = table.place(table.header)
     if found:
-        return f": {' and '.join(found)} are both named; leave one {kind} column"
+        names = " and ".join(found)
+        rule = f"leave one {kind} column"
+        return parameter_error(kind, subject=names, finding="are both named", rule=rule, place=place)
     if kind == "size" and "size" in (name.lower() for name in unused):
-        return ": the size column has no unit; name it size_mm or size_um"
+        rule = "name it size_mm or size_um"
+        return parameter_error(kind, subject="the size column", finding="has no unit", rule=rule, place=place)
     near = [(name, difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.5)) for name in unused]
     meant = next((f"; did you mean {match[0]} by '{name}'?" for name, match in near if match), "")
-    return f": the header names no {kind} column; it must name one of {', '.join(known)}{meant}"
+    rule = f"it must name one of {', '.join(known)}{meant}"
+    return parameter_error(kind, subject="the header", finding=f"names no {kind} column", rule=rule, place=place)
 
 
 def _size(table: Table, row: Row, column: int, name: str) -> float:
@@ -144,12 +222,12 @@ def _size(table: Table, row: Row, column: int, name: str) -> float:
         try:
             return sieve_size(row.cells[column])
         except ParameterError as error:
-            raise ParameterError(f"{table.place(row)}, column sieve: {error}") from None
+            raise reworded(error, outer=table.place(row, "sieve")) from None
     number = table.number(row, column)
     size = 2.0**-number if name == "phi" and abs(number) < 1000.0 else number
     if not (size > 0.0 and math.isfinite(size)) or (name == "phi" and abs(number) >= 1000.0):
         rule = "phi must be between -1000 and 1000" if name == "phi" else "a size must be greater than 0"
-        raise ParameterError(f"{table.place(row)}, column {name}: the value is {number:g}; {rule}")
+        raise _wrong_value(table, row, name, number, rule)
     return size
 
 
@@ -157,8 +235,12 @@ def _value(table: Table, row: Row, column: int, name: str) -> float:
     value = table.number(row, column)
     if value < 0.0 or (value > 100.0 and name != "mass_retained_g"):
         rule = "at least 0" if name == "mass_retained_g" else "between 0 and 100"
-        raise ParameterError(f"{table.place(row)}, column {name}: the value is {value:g}; it must be {rule}")
+        raise _wrong_value(table, row, name, value, f"it must be {rule}")
     return value
+
+
+def _wrong_value(table: Table, row: Row, column: str, value: float, rule: str) -> ParameterError:
+    return parameter_error(column, value, rule, subject="the value", place=table.place(row, column))
 
 
 def _from_cumulative(table: Table, values: list[float], in_pan: float | None, notes: list[str]) -> list[float]:
@@ -168,9 +250,17 @@ def _from_cumulative(table: Table, values: list[float], in_pan: float | None, no
         whole = 1.0
         notes.append("the values end at 1: read as fractions, not per cent")
     elif largest < 1.0:
-        raise ParameterError(f"{table.name}: the largest percent_cumulative_retained is {largest:g}; give per cent")
+        name = "percent_cumulative_retained"
+        raise parameter_error(name, largest, "give per cent", subject=f"the largest {name}", place=table.name)
     if in_pan is not None and in_pan != whole:
-        raise ParameterError(f"{table.name}: {in_pan:g} % is retained down to the pan, which must hold all: 100 %")
+        raise parameter_error(
+            "percent_cumulative_retained",
+            in_pan,
+            "it must hold all: 100 %",
+            subject=f"{in_pan:g} %",
+            finding="is retained down to the pan",
+            place=table.name,
+        )
     return [100.0 * ((whole - value) / whole) for value in values]
 
 
@@ -180,18 +270,19 @@ def _from_retained(
     """Per cent finer on each sieve, from the mass or share retained on each and in the pan."""
     total = math.fsum(values) + (in_pan or 0.0)
     if not total > 0.0:
-        raise ParameterError(f"{table.name}: column {name} adds up to 0; some mass must be on the sieves")
+        raise _wrong_total(table, name, total, "some mass must be on the sieves")
     whole = total
     if name == "mass_retained_g":
         if in_pan is None:
             notes.append(f"{table.name} has no pan row: nothing taken as finer than the finest sieve")
     elif total <= 1.0 + ROUNDED / 100.0:
         if in_pan is None or abs(total - 1.0) > ROUNDED / 100.0:
-            raise ParameterError(f"{table.name}: percent_retained adds up to {total:.6g}; give per cent, not fractions")
+            raise _wrong_total(table, name, total, "give per cent, not fractions")
         notes.append("the values add up to 1: read as fractions, not per cent")
     elif total > 100.0 + ROUNDED or (in_pan is not None and total < 100.0 - ROUNDED):
-        cumulative = " Cumulative values? name the column percent_cumulative_retained." if total > 100.0 else ""
-        raise ParameterError(f"{table.name}: percent_retained adds up to {total:.6g} %, not 100 %.{cumulative}")
+        raise _wrong_total(
+            table, name, total, "it must be 100 %", "name_cumulative_column" if total > 100.0 else "", unit=" %"
+        )
     elif in_pan is None and total < 100.0:
         whole = 100.0
         notes.append(
@@ -199,7 +290,7 @@ def _from_retained(
         )
     if name == "percent_retained" and abs(whole - 100.0) > 1e-9 and whole > 2.0:
         notes.append(f"percent_retained of {table.name} adds up to {total:.6g} %: scaled to 100 %")
-    # from the fine end, so that what passes the finest sieve is exactly what is in the pan
+    # summed from the fine end, so that the share that passes the finest sieve is exactly that of the pan
     rest = in_pan if in_pan is not None else max(whole - total, 0.0)
     order = sorted(range(len(sizes)), key=lambda q: sizes[q])
     finer = [0.0] * len(sizes)
@@ -213,3 +304,11 @@ def _from_retained(
             break
         finer[q] = 100.0
     return finer
+
+
+def _wrong_total(
+    table: Table, column: str, total: float, rule: str, remedy: str = "", unit: str = ""
+) -> ParameterError:
+    finding = f"adds up to {total:.6g}{unit}"
+    subject = f"column {column}"
+    return parameter_error(column, total, rule, subject=subject, finding=finding, place=table.name, remedy=remedy)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from comminute._core import ParameterError
+from comminute.util.errors import parameter_error
 from comminute.util.names import shorten
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def convert(value: float, unit: str, to: str) -> float:
     """
     for name in (unit, to):
         if not unit_of(name):
-            raise ParameterError(f"unit is '{name}'; it must be one of {', '.join(IN_MM)} to be converted")
+            raise parameter_error("unit", f"'{name}'", f"it must be one of {', '.join(IN_MM)} to be converted")
     unit, to = unit_of(unit), unit_of(to)
     if unit == to:
         return value
@@ -107,10 +107,8 @@ def convert(value: float, unit: str, to: str) -> float:
 def millimetres(unit: str, wanted_for: str) -> float:
     """Millimetres in a unit; `wanted_for` names, for an error message, the quantity that needs it."""
     if not unit_of(unit):
-        raise ParameterError(
-            f"unit is '{unit}'; {wanted_for} needs sizes in a known unit ({', '.join(IN_MM)}): "
-            'name it, with_unit("mm") for an ideal grading'
-        )
+        rule = f"{wanted_for} needs sizes in a known unit ({', '.join(IN_MM)})"
+        raise parameter_error("unit", f"'{unit}'", rule, remedy="name_unit")
     return convert(1.0, unit, "mm")
 
 
@@ -147,7 +145,7 @@ def sieve_sizes(series: str, unit: str = "mm") -> npt.NDArray[np.float64]:
     plain |= {"iso565r20/3": "ISO R20/3", "iso565r40/3": "ISO R40/3", "astm": "ASTM E11", "e11": "ASTM E11"}
     if _plain(series) not in plain:
         known = ", ".join(f"'{name}'" for name in SIEVE_SERIES)
-        raise ParameterError(f"series is '{series}'; it must be one of {known}")
+        raise parameter_error("series", f"'{series}'", f"it must be one of {known}")
     return np.array([convert(size, "mm", unit) for size in SIEVE_SERIES[plain[_plain(series)]]])
 
 
@@ -199,4 +197,4 @@ def sieve_size(name: str) -> float:
         if key.isdecimal():
             known = [f"No. {min(ASTM_NUMBERS, key=lambda number: abs(number - int(key[:9]))):g}"]
     near = difflib.get_close_matches(text, known, n=1, cutoff=0.0)
-    raise ParameterError(f"sieve is '{shorten(name)}'; ASTM E11 has no such sieve. Did you mean {near[0]}?")
+    raise parameter_error("sieve", f"'{shorten(name)}'", f"ASTM E11 has no such sieve. Did you mean {near[0]}?")

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from comminute._core import ParameterError
 from comminute.gradings.rows import Row
+from comminute.util.errors import wrong_file
 from comminute.util.names import shorten
 
 OTHER_KINDS = (".xls", ".ods")
@@ -36,7 +36,7 @@ def spreadsheet_rows(path: Path) -> list[Row]:
         For a file that is no .xlsx spreadsheet.
     """
     if path.suffix.lower() in OTHER_KINDS:
-        raise ParameterError(f"{path.name} is no .xlsx spreadsheet; save the table as .xlsx or .csv")
+        raise wrong_file(path.name, "is no .xlsx spreadsheet", "save the table as .xlsx or .csv")
     try:
         import openpyxl  # noqa: PLC0415  (an optional dependency)
     except ImportError as error:
@@ -50,7 +50,7 @@ def spreadsheet_rows(path: Path) -> list[Row]:
             finally:
                 book.close()
     except Exception as error:  # openpyxl's own errors are of many classes, and none is documented
-        raise ParameterError(f"{path.name} is no readable spreadsheet: {shorten(str(error), 120)}") from error
+        raise wrong_file(path.name, "is no readable spreadsheet", shorten(str(error), 120)) from error
     width = max((1 + max(i for i, cell in enumerate(row.cells) if cell) for row in rows), default=0)
     return [Row(row.number, (row.cells + width * ("",))[:width]) for row in rows]
 

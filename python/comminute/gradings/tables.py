@@ -9,9 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from comminute._core import ParameterError
+from comminute._core import Place
 from comminute.gradings.rows import Row
 from comminute.gradings.spreadsheets import spreadsheet_rows
+from comminute.util.errors import parameter_error, wrong_file
 from comminute.util.names import is_file, shorten
 
 if TYPE_CHECKING:
@@ -31,9 +32,9 @@ class Table:
     rows: tuple[Row, ...]
     decimal_comma: bool
 
-    def place(self, row: Row) -> str:
-        """Name of a row in messages: file and number."""
-        return f"{self.name} row {row.number}"
+    def place(self, row: Row, column: str = "") -> Place:
+        """File, number and column of a cell, or of a whole row, for errors."""
+        return Place(self.name, row=row.number, column=column)
 
     def columns(self) -> Iterator[tuple[int, str]]:
         """Index and name of each column, names in small letters with underscores for blanks."""
@@ -57,11 +58,11 @@ class Table:
             if math.isfinite(value):
                 return value
         name = self.header.cells[column].strip()
-        what = "is empty" if not text else f"is '{shorten(text)}'"
-        remedy = "; it must be a number"
+        rule = "it must be a number"
         if "," in plain and not self.decimal_comma:
-            remedy += " (a decimal comma needs semicolons or tabs between columns)"
-        raise ParameterError(f"{self.place(row)}, column {name}: the value {what}{remedy}")
+            rule += " (a decimal comma needs semicolons or tabs between columns)"
+        found = f"'{shorten(text)}'" if text else "empty"
+        raise parameter_error(name, found, rule, subject="the value", place=self.place(row, name))
 
 
 def read_table(path: Path) -> Table:
@@ -75,9 +76,10 @@ def read_table(path: Path) -> Table:
         For .xlsx where openpyxl is missing.
     """
     if not is_file(path):
-        raise ParameterError(f"{shorten(str(path), 200)} is no file; give a sieve table (.csv or .xlsx)")
+        raise wrong_file(str(path), "is no file", "give a sieve table (.csv or .xlsx)")
     if path.stat().st_size > MOST_BYTES:
-        raise ParameterError(f"{path.name} has {path.stat().st_size / 1e6:.0f} MB; a sieve table has a few lines")
+        size = f"{path.stat().st_size / 1e6:.0f} MB"
+        raise wrong_file(path.name, f"has {size}", "a sieve table has a few lines")
     if path.suffix.lower() in (".xlsx", ".xls", ".ods"):
         return _table(path.name, spreadsheet_rows(path), decimal_comma=False)
     return _text_table(path)
@@ -91,14 +93,14 @@ def _text_table(path: Path) -> Table:
     except UnicodeDecodeError:
         text = raw.decode("latin-1")  # older spreadsheets write it; only comments and units can differ
     if "\x00" in text:
-        raise ParameterError(f"{path.name} is no text file (it holds zero bytes); save the table as CSV")
+        raise wrong_file(path.name, "is no text file (it holds zero bytes)", "save the table as CSV")
     lines = [
         (number, line)
         for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1)
         if line.strip(" \t;,") and not line.lstrip(' "').startswith("#")
     ]
     if not lines:
-        raise ParameterError(f"{path.name} is empty; it needs a header line and at least two sieves")
+        raise wrong_file(path.name, "is empty", "it needs a header line and at least two sieves")
     delimiter = next((d for d in DELIMITERS if d in lines[0][1]), ",")
     _refuse_sieves_as_comments(path.name, text, delimiter)
     rows = []
@@ -107,7 +109,8 @@ def _text_table(path: Path) -> Table:
         try:
             cells = next(csv.reader([_without_comment(content)], delimiter=delimiter, strict=True))
         except csv.Error as error:
-            raise ParameterError(f"{path.name} row {number}: {error}; close every quotation mark") from None
+            place = Place(path.name, row=number)
+            raise parameter_error(subject=str(error), rule="close every quotation mark", place=place) from None
         rows.append(Row(number, tuple(cell.strip() for cell in cells)))
     return _table(path.name, rows, decimal_comma=delimiter != ",")
 
@@ -117,9 +120,11 @@ def _refuse_sieves_as_comments(name: str, text: str, delimiter: str) -> None:
     for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
         if re.match(rf"\s*#\s*[0-9.]+\s*{re.escape(delimiter)}\s*[0-9.,]+\s*$", line):
             found = shorten(line.strip())
-            raise ParameterError(
-                f"{name} row {number}: '{found}' begins with # and would be skipped as a comment; "
-                "write a sieve as No. 200, or a comment with a word in it"
+            raise parameter_error(
+                subject=f"'{found}'",
+                finding="begins with # and would be skipped as a comment",
+                rule="write a sieve as No. 200, or a comment with a word in it",
+                place=Place(name, row=number),
             )
 
 
@@ -130,16 +135,18 @@ def _without_comment(line: str) -> str:
 
 def _table(name: str, rows: list[Row], *, decimal_comma: bool) -> Table:
     if not rows:
-        raise ParameterError(f"{name} is empty; it needs a header line and at least two sieves")
+        raise wrong_file(name, "is empty", "it needs a header line and at least two sieves")
     first, *body = rows
     header = Row(first.number, tuple(shorten(cell) for cell in first.cells))
     width = len(header.cells)
     for row in body:
         extra = [cell for cell in row.cells[width:] if cell]
         if extra or len(row.cells) < width:
-            raise ParameterError(
-                f"{name} row {row.number}: {len(row.cells)} columns, but the header names {width}; "
-                "give every row one value for each column"
-                + (" (decimal commas need semicolons or tabs between columns)" if extra and not decimal_comma else "")
+            commas = " (decimal commas need semicolons or tabs between columns)"
+            raise parameter_error(
+                subject=f"{len(row.cells)} columns,",
+                finding=f"but the header names {width}",
+                rule="give every row one value for each column" + (commas if extra and not decimal_comma else ""),
+                place=Place(name, row=row.number),
             )
     return Table(name, header, tuple(Row(row.number, row.cells[:width]) for row in body), decimal_comma)

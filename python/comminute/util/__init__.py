@@ -1,1 +1,1 @@
-"""Helpers of every room: words, texts, files, equality, optional libraries."""
+"""Helpers of every room: errors, words, texts, files, equality, optional libraries."""

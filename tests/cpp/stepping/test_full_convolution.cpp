@@ -148,10 +148,10 @@ TEST_CASE("a step says by what means it was taken, and refuses sums that a law d
     lognormal.fragments = comminute::LogNormalFragments{};
     FullConvolutionOptions by_sums = exact;
     by_sums.path = StepPath::sums;
-    CHECK_REFUSED(
-        FullConvolution(grid, lognormal, by_sums),
-        "path is sums, but these fragments have no accurate exponential sum on this grid; use automatic or "
-        "transforms");
+    CHECK_REFUSED(FullConvolution(grid, lognormal, by_sums),
+                  "path is sums; these fragments have no accurate exponential sum on this grid. Use the path "
+                  "automatic, "
+                  "or transforms");
 #ifdef COMMINUTE_HAS_FFTW
     CHECK(FullConvolution(grid, lognormal, exact).step(start.view(), load, out.view()).terms == 0);
 #else

@@ -82,9 +82,10 @@ TEST_CASE("a kernel refuses a loading rate, a cell or an array that does not fit
     CHECK_REFUSED(Kernel(grid, Material{}, {KernelKind::blend, helpers::not_a_number}),
                   "loading_rate is nan; it must be between 0 and 1");
     for (const KernelKind kind : {KernelKind::exact, KernelKind::slow, KernelKind::fast}) {
-        CHECK_REFUSED(Kernel(grid, Material{}, {kind, 0.5}),
-                      "loading_rate is 0.5 but the kernel is not a blend; use kind \"blend\", or "
-                      "leave loading_rate at 0");
+        CHECK_REFUSED(
+            Kernel(grid, Material{}, {kind, 0.5}),
+            "loading_rate is 0.5; a rate belongs to the blend of kernels, and this one is no blend. Use "
+            "KernelKind::blend, or leave loading_rate at 0");
     }
     CHECK_THROWS_AS(SlowUpdate(grid, material(-1.0)), ParameterError);
     const Kernel kernel(grid, Material{}, {KernelKind::exact});

@@ -76,7 +76,7 @@ TEST_CASE("a solver is refused what it cannot use, with value, rule and remedy")
     CHECK_REFUSED(QuasiStatic(grid, Material{}, {Scheme::paper, not_a_number}),
                   "loading_rate is nan; it must be between 0 and 1");
     CHECK_REFUSED(QuasiStatic(grid, Material{}, {Scheme::paper, 0.5, SolvePath::blend}),
-                  "path is blend, which a solve only reports; ask for automatic, direct or sums");
+                  "path is blend; a solve only reports that; it must be automatic, direct or sums");
     CHECK_THROWS_AS(QuasiStatic(grid, material(-1.0)), ParameterError);
 }
 
