@@ -53,7 +53,8 @@ ParameterError
 Examples
 --------
 >>> import comminute as cm
->>> kernel = cm.cell_kernel(cm.LogGrid(-6.0, 1.0, 71), cm.Material(), 100.0, 60, 60, kind="slow")
+>>> grid = cm.LogGrid(-6.0, 1.0, 71)
+>>> kernel = cm.cell_kernel(grid, cm.Material(), 100.0, 60, 60, kind="slow", scheme="paper")
 >>> kernel[60, :].sum().round(12), kernel[:, 60].sum().round(12)   # equals: half of each crushes
 (np.float64(0.5), np.float64(0.5))
 )doc");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Locking of FFTW's planner, by the library's own mutex unless the host lends a lock (docs/theory/one_sweep.md, section 13).
 #include "stepping/planner_lock.hpp"
 
 #include <mutex>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The lock around FFTW's planner, which may be the host's (docs/theory/one_sweep.md, section 13).
 #pragma once
 
 namespace comminute::detail {

@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from comminute._core import Fabric, LogGrid, ParameterError, PointMass, __version__
+from comminute._core import Fabric, LogGrid, PointMass, __version__
 from comminute.files.fabric_storage import START, columns, fabric_variables, fabrics_of, rows_of
 from comminute.runs.recipe import Recipe, grid_record, material_of, material_record, report_of, report_record
 from comminute.runs.results import LatticeData, ResultData
+from comminute.util.errors import wrong_file
 from comminute.util.names import is_file, shorten
 from comminute.util.optional import needs
 from comminute.util.whole_files import uninterrupted, write_whole
@@ -178,25 +179,26 @@ def save_netcdf(result: ResultData, path: Path) -> Path:
 def read_netcdf(file: Path) -> ResultData:
     """Read a result, of a lattice as `LatticeData`, from a file that `save_netcdf` wrote; see `open_result`."""
     xr = require_netcdf("open_result")
+    import h5py  # noqa: PLC0415  (an optional dependency)
+
     if not is_file(file):
-        raise ParameterError(f"{shorten(str(file), 200)} does not exist; give a result file (.nc)")
-    with file.open("rb") as opened:
-        if opened.read(len(MAGIC)) != MAGIC:
-            raise ParameterError(f"{file.name} is no NetCDF 4 file; give a result file (.nc)")
+        raise wrong_file(str(file), "does not exist", "give a result file (.nc)")
+    with file.open("rb") as stream:
+        if stream.read(len(MAGIC)) != MAGIC:
+            raise wrong_file(file.name, "is no NetCDF 4 file", "give a result file (.nc)")
     try:
         with uninterrupted():
+            with h5py.File(file) as opened:  # refuses here what h5netcdf would fail to close again
+                dict(opened.attrs)
             data = xr.load_dataset(file, engine="h5netcdf", decode_cf=False)
         layout = str(data.attrs["layout"])
         changes, result = _read(data) if layout == LAYOUT else ([], None)
     except Exception as error:  # whatever a damaged file makes the libraries below raise
-        raise ParameterError(
-            f"{file.name} is no result as comminute wrote it: it is damaged, cut short, or was changed by another "
-            "program; run it again"
-        ) from error
+        finding = "is no result as comminute wrote it: it is damaged, cut short, or was changed by another program"
+        raise wrong_file(file.name, finding, "run it again") from error
     if result is None:
-        raise ParameterError(
-            f"{file.name} has the layout '{shorten(layout)}', not '{LAYOUT}'; it needs another version"
-        )
+        finding = f"has the layout '{shorten(layout)}', not '{LAYOUT}'"
+        raise wrong_file(file.name, finding, "it needs another version")
     if changes:
         listed = ", ".join(changes[:MOST_NAMED]) + (
             f" and {more} more" if (more := len(changes) - MOST_NAMED) > 0 else ""

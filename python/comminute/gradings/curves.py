@@ -281,7 +281,7 @@ def mean_power(size: Floats, power: float) -> Floats:
     return np.asarray(exact)
 
 
-def on_sieves(curve: Grading | SizeCurve, sieves: str | Sequence[float] | Floats) -> SieveTable:
+def on_sieves(curve: Grading | SizeCurve, /, sieves: str | Sequence[float] | Floats) -> SieveTable:
     """Per cent finer and retained on sieves, coarse to fine.
 
     Parameters

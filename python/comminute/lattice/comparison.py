@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import ParameterError
 from comminute.runs.results import LatticeData, ResultData
 from comminute.util.equality import same_values
+from comminute.util.errors import parameter_error
 
 Floats = npt.NDArray[np.float64]
 
@@ -73,12 +73,18 @@ def compare(result: ResultData, lattice_result: LatticeData) -> Comparison:
     True
     """
     if not np.array_equal(result.stress_ratio, lattice_result.stress_ratio):
-        raise ParameterError(
-            f"the loads differ: {result.stress_ratio} and {lattice_result.stress_ratio}; compare runs of one load path"
+        raise parameter_error(
+            "lattice_result",
+            subject="the loads",
+            finding=f"differ: {result.stress_ratio} and {lattice_result.stress_ratio}",
+            rule="compare runs of one load path",
         )
     if result.grid != lattice_result.grid:
-        raise ParameterError(
-            f"the grids differ: {result.grid} and {lattice_result.grid}; give the lattice's run grid=result.grid"
+        raise parameter_error(
+            "lattice_result",
+            subject="the grids",
+            finding=f"differ: {result.grid} and {lattice_result.grid}",
+            rule="give the lattice's run grid=result.grid",
         )
     difference = np.abs(result.cdf - lattice_result.cdf)
     worst = np.argmax(difference, axis=1)

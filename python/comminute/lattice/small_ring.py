@@ -7,8 +7,9 @@ import itertools
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, critical_stress_ratio, fragment_pmf
-from comminute.util.choices import Mean, Scheme
+from comminute._core import Grading, LogGrid, Material, ShapeError, critical_stress_ratio, fragment_pmf
+from comminute.util.choices import Mean, Scheme, require_word
+from comminute.util.errors import parameter_error
 
 Floats = npt.NDArray[np.float64]
 
@@ -62,11 +63,11 @@ class SmallRing:
         scheme: Scheme = "conservative",
     ) -> None:
         if cells not in (2, 3, 4):
-            raise ParameterError(f"cells is {cells}; it must be 2, 3 or 4: the state has bins^cells entries")
+            raise parameter_error("cells", cells, "it must be 2, 3 or 4: the state has bins^cells entries")
         if grid.bins > LARGEST_BINS:
-            raise ParameterError(f"the grid has {grid.bins} bins; it must have at most {LARGEST_BINS} here")
-        if mean not in ("arithmetic", "geometric"):
-            raise ParameterError(f"mean is '{mean}'; it must be one of 'arithmetic', 'geometric'")
+            finding, rule = f"has {grid.bins} bins", f"it must have at most {LARGEST_BINS} here"
+            raise parameter_error("bins", grid.bins, rule, subject="the grid", finding=finding)
+        require_word("mean", mean, Mean)
         self.cells = cells
         self.grid = grid
         self.material = material
@@ -119,7 +120,7 @@ class SmallRing:
         if law.shape != self.shape:
             raise ShapeError(f"law has shape {law.shape}; a ring of {self.cells} cells needs {self.shape}")
         if not stress_ratio >= 0.0:
-            raise ParameterError(f"stress_ratio is {stress_ratio:g}; it must be a number of at least 0 (0 is no load)")
+            raise parameter_error("stress_ratio", stress_ratio, "it must be a number of at least 0 (0 is no load)")
         active = self.active(stress_ratio)
         after = np.zeros(self.shape)
         for crushing in itertools.product((False, True), repeat=self.cells):

@@ -9,13 +9,14 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedFormatter, FixedLocator, FuncFormatter, LogLocator, NullFormatter
 
-from comminute._core import Grading, ParameterError
+from comminute._core import Grading
 from comminute.gradings.breakage import EINAV_DIMENSION
 from comminute.gradings.curves import SizeCurve
 from comminute.gradings.indices import phi as phi_of
 from comminute.plotting.style import LOAD_COLOURS, new_axes, size_label
 from comminute.runs.remarks import load_labels
 from comminute.runs.results import Floats, ResultData
+from comminute.util.errors import parameter_error
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -65,11 +66,12 @@ def plot_curves(
         For two units, axes it does not know, or phi of sizes without a unit.
     """
     if axes not in ("semilog", "loglog", "rosin-rammler"):
-        raise ParameterError(f"axes is '{axes}'; it must be one of 'semilog', 'loglog', 'rosin-rammler'")
+        raise parameter_error("axes", f"'{axes}'", "it must be one of 'semilog', 'loglog', 'rosin-rammler'")
     curves = _curves(gradings)
     units = {curve.unit for curve, _ in curves.values()}
     if len(units) > 1:
-        raise ParameterError(f"the gradings are in {', '.join(sorted(units))}; bring them to one unit")
+        finding = f"are in {', '.join(sorted(units))}"
+        raise parameter_error("gradings", subject="the gradings", finding=finding, remedy="use_one_unit")
     ax = new_axes() if ax is None else ax
     unit = units.pop()
     for name, (curve, own_style) in curves.items():
@@ -239,7 +241,6 @@ def _index_values(result: ResultData, index: str | Callable[[SizeCurve], float])
         percent = float(index[1:])
         label, make = f"{index}{unit}", lambda curve: curve.percentile(percent)
     else:
-        raise ParameterError(
-            f"index is '{index}'; it must be a size such as D50, or one of {', '.join(known)}, crushes, fines"
-        )
+        rule = f"it must be a size such as D50, or one of {', '.join(known)}, crushes, fines"
+        raise parameter_error("index", f"'{index}'", rule)
     return label, np.array([make(result.curve(k)) for k in range(result.stress_ratio.size)])

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from comminute._core import ParameterError
 from comminute.plotting.fabrics import plot_result
 from comminute.runs.remarks import load_labels
 from comminute.runs.results import ResultData
+from comminute.util.errors import parameter_error
 from comminute.util.optional import needs
 
 
@@ -19,7 +19,8 @@ def slider(result: ResultData) -> Any:
         raise needs("notebook", "ipywidgets", "slider") from error
     kept = [k for k, fabric in enumerate(result.fabrics) if fabric is not None]
     if not kept:
-        raise ParameterError("no fabric was kept, so there is nothing to slide over; run with keep_fabrics = 'all'")
+        finding, rule = "was kept, so there is nothing to slide over", "run with keep_fabrics = 'all'"
+        raise parameter_error("keep_fabrics", rule=rule, subject="no fabric", finding=finding)
     quantity, names = load_labels(result)
     options = [(names[k], k) for k in kept]
     control = ipywidgets.SelectionSlider(

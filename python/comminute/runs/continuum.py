@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from comminute._core import Fabric, Material, ParameterError, remix
+from comminute._core import Fabric, Material, remix
 from comminute.runs.load_path import LoadPath
 from comminute.runs.outcomes import Outcome, outcomes_of, rows
 from comminute.runs.path_run import PathRun
@@ -15,6 +15,7 @@ from comminute.runs.remarks import explained, resolution_warnings
 from comminute.runs.results import ResultData
 from comminute.runs.walk import ContinuumWalker
 from comminute.util.choices import Scheme
+from comminute.util.errors import parameter_error
 
 R = TypeVar("R", bound=ResultData)
 
@@ -54,7 +55,8 @@ def setup_of(result: ResultData) -> Setup:
 def recipe_of(result: ResultData) -> Recipe:
     """Recipe of a result; an error where it carries none."""
     if result.recipe is None:
-        raise ParameterError("the result does not say how it was made (recipe is None); run it with Simulation.run")
+        finding, rule = "does not say how it was made (recipe is None)", "run it with Simulation.run"
+        raise parameter_error("recipe", None, rule, subject="the result", finding=finding)
     return result.recipe
 
 

@@ -10,7 +10,8 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Material, ParameterError
+from comminute._core import Material
+from comminute.util.errors import parameter_error
 
 Floats = npt.NDArray[np.float64]
 
@@ -85,10 +86,11 @@ class LoadPath:
 def _loads(name: str, values: float | Iterable[float]) -> Floats:
     loads = np.array(values, dtype=np.float64, ndmin=1)  # a copy, since the caller's array may change later
     if loads.ndim != 1 or loads.size == 0:
-        raise ParameterError(f"{name} has shape {loads.shape}; it must be a list of at least one load")
+        rule = "it must be a list of at least one load"
+        raise parameter_error(name, loads.shape, rule, finding=f"has shape {loads.shape}")
     for index, load in enumerate(loads):
         if not load >= 0.0:
-            raise ParameterError(f"{name}[{index}] is {load:g}; it must be a number of at least 0 (0 is no load)")
+            raise parameter_error(f"{name}[{index}]", float(load), "it must be a number of at least 0 (0 is no load)")
     return loads
 
 
@@ -100,7 +102,8 @@ def _indices(name: str, values: Iterable[int], loads: int) -> frozenset[int]:
         except TypeError:
             index = -1
         if not 0 <= index < loads:
-            raise ParameterError(f"{name} has {value}; it must hold indices of loads, 0 to {loads - 1}")
+            rule = f"it must hold indices of loads, 0 to {loads - 1}"
+            raise parameter_error(name, value, rule, finding=f"has {value}")
         found.add(index)
     return frozenset(found)
 
@@ -114,7 +117,7 @@ def load_path(
 ) -> LoadPath:
     """Check the loads of a run; see `Simulation.run` for the arguments and what is refused."""
     if (stress_ratio is None) == (stress is None):
-        raise ParameterError("give either stress_ratio or stress, and not both")
+        raise parameter_error("stress_ratio", subject="give either stress_ratio or stress,", finding="and not both")
     stresses: Floats | None
     if stress is not None:
         stresses = _loads("stress", stress)
@@ -126,13 +129,12 @@ def load_path(
         stresses = None if unit is None else ratios * unit
     rates = np.asarray(loading_rate, dtype=np.float64)
     if rates.ndim > 1 or (rates.ndim == 1 and rates.shape != ratios.shape):
-        raise ParameterError(
-            f"loading_rate has shape {rates.shape}; it must be one number or one for each of the {ratios.size} loads"
-        )
+        rule = f"it must be one number or one for each of the {ratios.size} loads"
+        raise parameter_error("loading_rate", rates.shape, rule, finding=f"has shape {rates.shape}")
     rates = np.broadcast_to(rates, ratios.shape).astype(np.float64)
     for index, rate in enumerate(rates):
         if not 0.0 <= rate <= 1.0:
-            raise ParameterError(f"loading_rate[{index}] is {rate:g}; it must be between 0 and 1")
+            raise parameter_error(f"loading_rate[{index}]", float(rate), "it must be between 0 and 1")
     return LoadPath(ratios, stresses, rates, _indices("remix_after", remix_after, ratios.size), stress is not None)
 
 
@@ -143,5 +145,5 @@ def wanted_fabrics(keep: Keep, loads: int) -> frozenset[int]:
     if keep == "last":
         return frozenset([loads - 1])
     if isinstance(keep, str):
-        raise ParameterError(f"keep_fabrics is '{keep}'; it must be 'all', 'last' or indices of loads")
+        raise parameter_error("keep_fabrics", f"'{keep}'", "it must be 'all', 'last' or indices of loads")
     return _indices("keep_fabrics", keep, loads)

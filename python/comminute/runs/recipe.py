@@ -12,7 +12,6 @@ from comminute._core import (
     LogGrid,
     LogNormalFragments,
     Material,
-    ParameterError,
     PowerLawFragments,
     SolveReport,
     StepReport,
@@ -21,6 +20,7 @@ from comminute._core import (
 )
 from comminute.runs.load_path import LoadPath
 from comminute.util.choices import EngineName, Kind
+from comminute.util.errors import parameter_error
 
 Law = WeibullFragments | PowerLawFragments | LogNormalFragments | TabulatedFragments
 
@@ -99,7 +99,7 @@ def law_record(law: Law) -> dict[str, Any]:
         if isinstance(law, kind):
             values = {field: getattr(law, field) for field in fields}
             return {"law": name} | {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in values.items()}
-    raise ParameterError(f"fragments is a {type(law).__name__}; it must be one of {', '.join(LAWS)}")
+    raise parameter_error("fragments", f"a {type(law).__name__}", f"it must be one of {', '.join(LAWS)}")
 
 
 def law_of(record: dict[str, Any]) -> Law:

@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Fabric, LogGrid, Material, ParameterError, PointMass, SolveReport, StepReport, percentile
+from comminute._core import Fabric, LogGrid, Material, PointMass, SolveReport, StepReport, percentile
 from comminute.gradings.curves import SizeCurve
 from comminute.runs.recipe import Recipe
 from comminute.util.equality import same_values
+from comminute.util.errors import parameter_error
 
 Floats = npt.NDArray[np.float64]
 Report = SolveReport | StepReport
@@ -137,7 +138,8 @@ class ResultData:
         """
         kept = self.fabrics[k]
         if kept is None:
-            raise ParameterError(f"the fabric after load {k} was not kept; add {k} to keep_fabrics of run")
+            subject = f"the fabric after load {k}"
+            raise parameter_error("k", k, subject=subject, finding="was not kept", remedy="keep_fabric")
         return kept
 
     def __eq__(self, other: object) -> bool:

@@ -7,7 +7,6 @@ from comminute._core import (
     FullConvolution,
     LogGrid,
     Material,
-    ParameterError,
     QuasiStatic,
     SlowUpdate,
     remix,
@@ -16,6 +15,7 @@ from comminute.runs.load_path import Load
 from comminute.runs.outcomes import Outcome, mass_error
 from comminute.runs.recipe import Recipe
 from comminute.util.choices import EngineName, Kind, Scheme, require_word
+from comminute.util.errors import parameter_error
 
 SEPARATOR = " + "  # between the engines of a result that took more than one
 
@@ -26,9 +26,8 @@ def kind_of(kind: Kind | None, rate: float) -> Kind:
         return "blend" if rate > 0.0 else "slow"
     require_word("kind", kind, Kind)
     if rate > 0.0 and kind != "blend":
-        raise ParameterError(
-            f"loading_rate is {rate:g} but kind is '{kind}'; a rate belongs to the blend: leave kind out"
-        )
+        finding = f"is {rate:g} but kind is '{kind}'"
+        raise parameter_error("loading_rate", rate, "a rate belongs to the blend: leave kind out", finding=finding)
     return kind
 
 
@@ -40,20 +39,17 @@ def engine_of(name: EngineName, kind: Kind, rate: float, *, steps: int | None) -
             return "quasi-static"
         return "slow-update" if kind == "slow" else "full-convolution"
     if name == "quasi-static" and kind == "exact":
-        raise ParameterError(
-            'engine "quasi-static" has no solve for kind "exact", whose outcome depends on the steps; '
-            'use engine "full-convolution" or "auto"'
-        )
+        finding = 'has no solve for kind "exact", whose outcome depends on the steps'
+        rule = 'use engine "full-convolution" or "auto"'
+        raise parameter_error("engine", name, rule, subject='engine "quasi-static"', finding=finding)
     if name == "quasi-static" and steps is not None:
-        raise ParameterError(
-            f'steps_per_load is {steps} but engine "quasi-static" takes no steps; leave steps_per_load at "rest", '
-            'or use engine "slow-update" or "full-convolution"'
-        )
+        finding = f'is {steps} but engine "quasi-static" takes no steps'
+        rule = 'leave steps_per_load at "rest", or use engine "slow-update" or "full-convolution"'
+        raise parameter_error("steps_per_load", steps, rule, finding=finding)
     if name == "slow-update" and kind != "slow":
-        raise ParameterError(
-            f'engine "slow-update" has the slow kernel only, and this load asks for kind "{kind}" '
-            f'(loading_rate {rate:g}); use engine "full-convolution" or "auto"'
-        )
+        finding = f'has the slow kernel only, and this load asks for kind "{kind}" (loading_rate {rate:g})'
+        rule = 'use engine "full-convolution" or "auto"'
+        raise parameter_error("engine", name, rule, subject='engine "slow-update"', finding=finding)
     return name
 
 
