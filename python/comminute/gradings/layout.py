@@ -1,0 +1,293 @@
+"""Where a table begins in a sheet, what each of its columns holds, and which lines stand around it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from comminute._core import ParameterError
+from comminute.gradings.headers import SIZES, VALUES, Meaning, meaning_of, near_word, unit_in, units_of
+from comminute.gradings.openings import Style, read_size, row_meaning
+from comminute.gradings.sheets import Cell, Line, Sheet, require_size, text_sheets
+from comminute.gradings.tables import shorten
+from comminute.gradings.words import NO_UNITS, plain
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods", ".xlsb", ".numbers")
+MOST_LINES_ABOVE = 80
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column: its index, its header as written, and what it holds."""
+
+    index: int
+    header: str
+    meaning: Meaning
+
+    def cell(self, line: Line) -> Cell:
+        """Cell of this column in a line; empty where the line is too short."""
+        return line.cells[self.index] if self.index < len(line.cells) else Cell("")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A table found in a sheet.
+
+    Attributes
+    ----------
+    name, title : str
+        Names of the file and, where there are several, of the sheet.
+    header : Line
+    columns : tuple of Column
+    body : tuple of Line
+        All lines below the header but comments.
+    above : tuple of Line
+        Lines above the header.
+    comma_separated : bool
+    notes : tuple of str
+    """
+
+    name: str
+    title: str
+    header: Line
+    columns: tuple[Column, ...]
+    body: tuple[Line, ...]
+    above: tuple[Line, ...]
+    comma_separated: bool
+    notes: tuple[str, ...] = ()
+
+    def of_kind(self, kind: str) -> list[Column]:
+        """Columns that hold one kind of thing."""
+        return [column for column in self.columns if column.meaning.kind == kind]
+
+
+def open_layout(path: Path, sheet: str | int | None) -> Layout:
+    """Table of a file: of the sheet asked for, or of the first sheet that has one.
+
+    Raises
+    ------
+    ParameterError
+        Saying what is missing or doubtful, and what to write instead.
+    ImportError
+        For .xlsx where openpyxl is missing.
+    """
+    require_size(path)
+    if path.suffix.lower() not in WORKBOOKS:
+        if sheet is not None:
+            raise ParameterError(f"sheet is '{sheet}', but {path.name} is a text file, which has no sheets; leave it out")
+        return _of_text(text_sheets(path))
+    from comminute.gradings.workbooks import workbook_sheets  # noqa: PLC0415  (openpyxl is optional)
+
+    sheets = workbook_sheets(path)
+    if not sheets:
+        raise _empty(path.name)
+    names = [one.title for one in sheets]
+    if sheet is not None:
+        wanted = [one for one in sheets if one.title.casefold() == str(sheet).casefold()]
+        number = int(sheet) if str(sheet).isdecimal() else 0
+        wanted = wanted or sheets[number - 1 : number]
+        if not wanted or (number < 1 and not wanted):
+            raise ParameterError(f"sheet is '{sheet}'; {path.name} has {', '.join(map(repr, names))}")
+        return _of_text(wanted[:1])
+    found = [layout for one in sheets if (layout := find_layout(one)) is not None]
+    if not found:
+        if len(sheets) == 1:
+            return _of_text(sheets)
+        raise ParameterError(f"{path.name}: none of its sheets {', '.join(map(repr, names))} has a table of sieves")
+    first = found[0]
+    others = [name for name in names if name != first.title]
+    if others:
+        one = len(others) == 1
+        note = f"sheet '{first.title}' of {path.name} is read, {', '.join(map(repr, others))} {'is' if one else 'are'} not"
+        first = replace(first, notes=(*first.notes, f"{note}; sheet = names another"))
+    return first
+
+
+def _empty(name: str) -> ParameterError:
+    return ParameterError(f"{name} is empty; it needs a header line and at least two sieves")
+
+
+def _of_text(sheets: list[Sheet]) -> Layout:
+    """Table of the first reading of a text that has one, or the reason why none has."""
+    found = [layout for sheet in sheets if (layout := find_layout(sheet)) is not None]
+    for layout in found:
+        wide = [line for line in layout.body if len(line.filled) > 1]
+        if len(layout.columns) > 1 and 2 * len(wide) >= len(layout.body):
+            return layout
+    if found:
+        return found[0]
+    raise _why_none(sheets[0])
+
+
+def find_layout(sheet: Sheet) -> Layout | None:
+    """Table of a sheet, upright, or else sideways with sizes along a row; None where no header is found."""
+    for way, strong in ((sheet, True), (sheet, False)):
+        layout = _upright(way, strong=strong)
+        if layout is not None:
+            return layout
+    sideways = sheet.sideways()
+    if 2 <= len(sideways.lines) <= 200 and all(len(line.cells) <= 200 for line in sideways.lines):
+        for strong in (True, False):
+            layout = _upright(sideways, strong=strong)
+            if layout is not None and layout.body:
+                return layout
+    commented = [replace(line, comment=False) if line.comment else line for line in sheet.lines]
+    bare = [_uncommented(line) for line in commented]
+    if len(bare) > 1 and any(line.comment for line in sheet.lines):
+        return _upright(replace(sheet, lines=tuple(bare)), strong=True, comments=True)
+    return None
+
+
+def _uncommented(line: Line) -> Line:
+    if line.cells and line.cells[0].text.startswith("#") and not re.match(r"#\s*[0-9]", line.cells[0].text):
+        cells = (Cell(line.cells[0].text.lstrip("# ")), *line.cells[1:])
+        return replace(line, cells=cells if cells[0].text else cells[1:])
+    return line
+
+
+def _upright(sheet: Sheet, *, strong: bool, comments: bool = False) -> Layout | None:
+    """Table whose header is a line that names a size and, if `strong`, a quantity."""
+    lines = [line for line in sheet.lines if not line.comment]
+    best: tuple[int, int, int] | None = None
+    for at, _ in enumerate(lines[:MOST_LINES_ABOVE]):
+        for high in (1, 2):
+            score = _score(lines, at, high, strong=strong)
+            if score > 0 and (best is None or score > best[0]):
+                best = (score, at, high)
+    if best is None:
+        return None
+    _, at, high = best
+    titles = _titles(lines[at : at + high])
+    below = at + high
+    if below < len(lines) and _is_units(lines[below]):
+        titles = [_with_unit(sheet, lines[below], title, k) for k, title in enumerate(titles)]
+        below += 1
+    body = tuple(lines[below:])
+    if comments:
+        body = tuple(line for line in body if line in sheet.lines)
+    columns = _size_by_content(_columns(titles), body)
+    return Layout(
+        sheet.name, sheet.title, lines[at], tuple(columns), body, tuple(lines[:at]), sheet.delimiter in ("", ",")
+    )
+
+
+def _titles(lines: list[Line]) -> list[str]:
+    width = max(len(line.cells) for line in lines)
+    return [
+        " ".join(line.cells[k].text for line in lines if k < len(line.cells) and line.cells[k].text).strip()
+        for k in range(width)
+    ]
+
+
+def _is_units(line: Line) -> bool:
+    """Whether a line holds nothing but units."""
+    return bool(line.filled) and all(unit_in(cell.text) or cell.text in NO_UNITS for cell in line.filled) and not any(
+        cell.number is not None or cell.text.isdecimal() for cell in line.filled
+    )
+
+
+def _with_unit(sheet: Sheet, line: Line, title: str, index: int) -> str:
+    text = line.cells[index].text if index < len(line.cells) else ""
+    unit = unit_in(text)
+    if not unit or not title:
+        return title
+    said = units_of(title)[0]
+    if said - {unit, "%"} and unit != "%":
+        raise ParameterError(f"{line.place}: '{text}' stands below '{title}', whose unit is {', '.join(sorted(said))}")
+    return title if said else f"{title} [{unit}]"
+
+
+def _score(lines: list[Line], at: int, high: int, *, strong: bool) -> int:
+    """Rank of a header that begins at a line and is so many lines high; 0 for none."""
+    used = lines[at : at + high]
+    if len(used) < high or len(used[0].filled) < 2:
+        return 0
+    if (strong or high == 2) and any(cell.numeric for line in used for cell in line.filled):
+        return 0
+    if high == 2 and _is_units(used[1]):
+        return 0
+    columns = _columns(_titles(used))
+    body = tuple(line for line in lines[at + high :] if not _is_units(line))
+    kinds = [column.meaning.kind for column in _size_by_content(columns, body) if column.header]
+    numbers = any(cell.numeric for line in body[:40] for cell in line.filled)
+    if "size" not in kinds or len(kinds) < 2 or (strong and "value" not in kinds):
+        return 0
+    if (body and not numbers) or not (strong or body):
+        return 0
+    known = kinds.count("size") + kinds.count("value")
+    return 10 * known + 5 * numbers - (high == 2) - kinds.count("unknown")
+
+
+def _columns(titles: list[str]) -> list[Column]:
+    """Columns by their headers; a header that is itself a size, as in a table of samples by rows, is none."""
+    columns = []
+    for k, title in enumerate(titles):
+        meaning = meaning_of(title) if title and not _explicit(title) else Meaning("unknown", rest=title)
+        columns.append(Column(k, shorten(title), meaning))
+    return columns
+
+
+def _size_by_content(columns: list[Column], body: tuple[Line, ...]) -> list[Column]:
+    """Columns, one of them made the size column where no header says so but its cells are sizes with their units."""
+    if any(column.meaning.kind == "size" for column in columns):
+        return columns
+    for k, column in enumerate(columns):
+        if column.meaning.kind not in ("unknown", "sample", "unused"):
+            continue
+        texts = [column.cell(line).text for line in body if column.cell(line).text]
+        sizes = [text for text in texts if _explicit(text)]
+        if len(sizes) >= 2 and all(text in sizes or row_meaning(text) for text in texts):
+            made = Column(column.index, column.header, Meaning("size", "opening"))
+            return [*columns[:k], made, *columns[k + 1 :]]
+    return columns
+
+
+def _explicit(text: str) -> bool:
+    try:
+        read_size(text, Style("", "," if "," in text else "."))
+    except ParameterError:
+        return False
+    return True
+
+
+def _why_none(sheet: Sheet) -> ParameterError:  # noqa: PLR0911  (one return for each reason)
+    """Reason why a sheet has no header, and what to write."""
+    lines = [line for line in sheet.lines if not line.comment]
+    if not lines:
+        return _empty(sheet.name)
+    widest = max(len(line.filled) for line in lines)
+    numbers = [line for line in lines if line.filled and all(cell.numeric for cell in line.filled)]
+    first = lines[0]
+    if widest == 1 and len(numbers) >= 2:
+        return ParameterError(
+            f"{sheet.name} has one column of numbers: a list of grains is no table of sieves; count them by classes, or "
+            "weigh them, and give a column of sizes and one of values (size_mm,count)"
+        )
+    if numbers and numbers[0] is first:
+        return ParameterError(
+            f"{first.place} holds numbers; a header is missing: write one above, such as size_mm,percent_finer"
+        )
+    rows = [(line, [meaning_of(cell.text) for cell in line.filled]) for line in lines[:MOST_LINES_ABOVE]]
+    line, meanings = max(rows, key=lambda row: sum(m.kind in ("size", "value") for m in row[1]))
+    texts = [cell.text for cell in line.filled]
+    sizes = [m for m in meanings if m.kind == "size"]
+    unknown = [text for text, m in zip(texts, meanings, strict=True) if m.kind not in ("size", "value")]
+    hints = [(text, near_word(text)) for text in unknown]
+    if not sizes:
+        meant = next((f"; did you mean {near} by '{shorten(text)}'?" for text, near in hints if near in SIZES), "")
+        what, known = "size", SIZES
+    else:
+        meant = next((f"; did you mean {near} by '{shorten(text)}'?" for text, near in hints if near in VALUES), "")
+        what, known = "value", VALUES
+    return ParameterError(
+        f"{line.place}: the header names no {what} column; it must name one of {', '.join(known)}{meant}"
+    )
+
+
+def is_blank(cell: Cell) -> bool:
+    """Whether a cell holds nothing, or a dash for nothing."""
+    return plain(cell.text) in ("", "-", "--", "---", "/", "n/a", "na")
