@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -33,8 +34,16 @@ class Body:
     notes: list[str] = field(default_factory=list)
 
 
-def sorted_body(layout: Layout, sizes: list[Column], values: list[Column]) -> Body:
+def sorted_body(layout: Layout, sizes: list[Column], values: list[Column], *, finer: bool) -> Body:
     """Lines of a table by what they are; a line that is nothing known is an error, and none vanishes.
+
+    Parameters
+    ----------
+    layout : Layout
+    sizes, values : list of Column
+        Columns of sizes, and those of values.
+    finer : bool
+        Whether the values are what is finer than each size; else a size of 0, or a dash for one, is the pan.
 
     Raises
     ------
@@ -47,6 +56,8 @@ def sorted_body(layout: Layout, sizes: list[Column], values: list[Column]) -> Bo
     for line in layout.body:
         _refuse_second_header(layout, line)
         label = _label(line, sizes, texts)
+        if not label and not finer and all(_is_nought(column, line) for column in sizes):
+            label = "pan"
         has_numbers = any(column.cell(line).numeric for column in values)
         if label == "summary":
             told.append(line)
@@ -55,10 +66,13 @@ def sorted_body(layout: Layout, sizes: list[Column], values: list[Column]) -> Bo
         elif not has_numbers and not any(column.cell(line).numeric for column in sizes) and _is_words(line):
             skipped.append(line)
         else:
-            _require_width(layout, line)
+            _require_width(layout, line, [*sizes, *values])
             body.sieves.append(line)
     for line in (*told, *skipped):
         body.notes.append(f"{line.place}, '{shorten(line.filled[0].text)}', is no sieve and is not used")
+    ends = [line for line in layout.body if line in body.sieves or line in body.pan]
+    if body.pan and body.pan[0] not in (ends[0], ends[-1]) and all(is_blank(column.cell(body.pan[0])) for column in sizes):
+        raise ParameterError(f"{body.pan[0].place} has no size and stands between sieves; name its size, or name it pan")
     if len(body.pan) > 1:
         raise ParameterError(f"{body.pan[1].place}: a second pan; a table has one")
     return body
@@ -78,6 +92,13 @@ def _label(line: Line, sizes: list[Column], texts: list[Column]) -> str:
     return ""
 
 
+def _is_nought(column: Column, line: Line) -> bool:
+    """Whether a size cell holds 0, or a dash in its place."""
+    cell = column.cell(line)
+    zero = column.meaning.name != "phi" and re.fullmatch(r"0*[.,]?0+", plain(cell.text)) is not None
+    return bool(cell.text) and (is_blank(cell) or zero)
+
+
 def _is_words(line: Line) -> bool:
     """Whether a line says something rather than naming a sieve: a signature, a date, a remark."""
     first = line.filled[0].text
@@ -94,11 +115,12 @@ def _refuse_second_header(layout: Layout, line: Line) -> None:
         )
 
 
-def _require_width(layout: Layout, line: Line) -> None:
+def _require_width(layout: Layout, line: Line, needed_columns: list[Column]) -> None:
     """Refuse a line with cells beyond those that the header names, or too few of them."""
     width = max(column.index + 1 for column in layout.columns if column.header) if layout.columns else 0
     extra = [cell for cell in line.cells[width:] if cell.text]
-    if extra or len(line.cells) < min(width, len(layout.header.cells)):
+    needed = max((column.index + 1 for column in needed_columns), default=0)
+    if extra or len(line.cells) < needed:
         commas = " (decimal commas need semicolons or tabs between columns)" if extra and layout.comma_separated else ""
         raise ParameterError(
             f"{line.place}: {len(line.cells)} columns, but the header names {width}; give every row one value for each "

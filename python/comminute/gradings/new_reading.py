@@ -156,11 +156,11 @@ def read_sieves(
         raise ParameterError(f"{shorten(str(file), 200)} is no file; give a sieve table (.csv or .xlsx)")
     layout = chosen_sample(open_layout(file, how.sheet), how.sample)
     sizes, values = _columns(layout)
-    body = sorted_body(layout, sizes, values)
+    finer = all(column.meaning.name in ("percent_finer", "mass_finer") for column in values)
+    body = sorted_body(layout, sizes, values, finer=finer)
     if not body.sieves:
         raise ParameterError(f"{layout.name} has a header but no sieves; it needs at least two")
     mark = _mark(layout, body, sizes, values)
-    finer = all(column.meaning.name in ("percent_finer", "mass_finer") for column in values)
     to = unit_of(unit) if unit is not None else None
     rows = sized(layout, sizes, body.sieves, unit=to, mark=mark, mesh=how.mesh, finer=finer)
     return _curve(layout, body, rows, values, mark, number=number, how=how)

@@ -113,7 +113,7 @@ def _open_class(words: str, style: Style) -> Size | None:
     if between:
         return _class(_single(between[1], style), _single(between[2], style))
     for kind, sign in signs.items():
-        match = re.fullmatch(rf"{sign}\s*([0-9.#nu(+-].*)", words)
+        match = re.fullmatch(rf"{sign}\s*(.+)", words)
         if match and _is_size(match[1], style):
             one = _single(match[1], style)
             # a phi grows as its grain gets finer: what lies above phi 4 is finer than 0.063 mm
