@@ -23,6 +23,10 @@ void register_lattice(py::module_& m);
 void register_solve_reports(py::module_& m);
 void register_quasi_static(py::module_& m);
 
+/// Adds to `_core.defaults` what a function takes where a parameter is left out. Python reads defaults there, since the
+/// signature of a bound function tells them in its text only.
+void tell_defaults(py::module_& m, const char* function, const py::dict& values);
+
 /// Python's own text of a value, for reprs: repr_of("Material", "weibull_modulus", 3.0, ...).
 template <class... Fields>
 std::string repr_of(const char* type, const Fields&... fields) {

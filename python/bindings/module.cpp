@@ -30,7 +30,7 @@ py::array_t<double> strict_array(const py::object& object, const std::vector<py:
         throw comminute::ShapeError(label + " has shape " + shape_text(array.shape(), dimensions) + "; " +
                                     needed_by + " needs " + shape_text(shape.data(), shape.size()));
     }
-    const int wanted = py::array::c_style | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
+    const int wanted = int{py::array::c_style} | int{py::detail::npy_api::NPY_ARRAY_ALIGNED_};
     if ((array.flags() & wanted) != wanted) {
         throw comminute::ShapeError(
             label + " is not a C-ordered (row after row) array; make one with np.ascontiguousarray(" + label +
@@ -53,6 +53,14 @@ py::array_t<double> read_only_view(const double* data, const std::vector<py::ssi
     py::array_t<double> view(shape, data, owner);
     view.attr("flags").attr("writeable") = false;
     return view;
+}
+
+void tell_defaults(py::module_& m, const char* function, const py::dict& values) {
+    const auto read_only = py::module_::import("types").attr("MappingProxyType");
+    py::dict all;
+    if (py::hasattr(m, "defaults")) all.attr("update")(m.attr("defaults"));
+    all[function] = read_only(values);
+    m.attr("defaults") = read_only(all);
 }
 
 PYBIND11_MODULE(_core, m) {

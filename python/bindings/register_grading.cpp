@@ -89,13 +89,22 @@ py::tuple points(const Grading& grading, Index count) {
     return py::make_tuple(copied(curve.size), copied(curve.finer_than), curve.tail_slope);
 }
 
+const char* top_word(const SieveOptions& options) {
+    return options.extend_top ? "extend" : "error";
+}
+
 void register_grading_class(py::module_& m) {
+    using namespace py::literals;
+    const SieveOptions standard;
+    tell_defaults(
+        m, "from_sieves",
+        py::dict("unit"_a = standard.unit, "top"_a = top_word(standard), "number"_a = standard.by_number));
     py::class_<Grading>(m, "Grading", R"doc(How much of the mass is finer than each size, at the start.
 
 Made by `monodisperse`, `gap_graded`, `power_law` or `Grading.from_sieves`. Immutable.)doc")
         .def_static("from_sieves", &from_sieves, py::arg("size"), py::arg("percent_finer"),
-                    py::arg("unit") = "mm", py::kw_only(), py::arg("top") = "error",
-                    py::arg("number") = false, py::arg("places") = std::vector<std::string>{},
+                    py::arg("unit") = standard.unit, py::kw_only(), py::arg("top") = top_word(standard),
+                    py::arg("number") = standard.by_number, py::arg("places") = std::vector<std::string>{},
                     py::arg("if_retained") = "", py::arg("notes") = std::vector<std::string>{},
                     R"doc(A measured curve: linear in ln(size) between sieves.
 
@@ -110,7 +119,7 @@ percent_finer : sequence of float
     Per cent of the mass finer than each, 0 to 100, never falling with size, 100 at the coarsest. A
     curve that ends at exactly 1 is read as fractions; `notes` says so.
 unit : str
-    Of the sizes, carried along as text.
+    Unit of the sizes, carried along as text.
 top : {"error", "extend"}
     What to do with a curve that stops short of 100 %: refuse it, or carry its last slope on.
 number : bool
@@ -147,8 +156,8 @@ Examples
                 const auto read = py::module_::import("comminute.gradings.reading").attr("read_grading");
                 return read(path, py::arg("unit") = unit, py::arg("top") = top, py::arg("number") = number);
             },
-            py::arg("path"), py::kw_only(), py::arg("unit") = py::none(), py::arg("top") = "error",
-            py::arg("number") = false,
+            py::arg("path"), py::kw_only(), py::arg("unit") = py::none(), py::arg("top") = top_word(standard),
+            py::arg("number") = standard.by_number,
             R"doc(A measured curve from a sieve table: .csv, .txt, .tsv, or .xlsx with the extra `xlsx`.
 
 The header names a size column, `size_mm` (or um, cm, m, in), `phi`, or `sieve` (ASTM E11 numbers and
@@ -161,7 +170,7 @@ Parameters
 ----------
 path : path-like
 unit : str, optional
-    Of the sizes of the grading; left out: the unit of the file, mm for phi and sieve.
+    Unit of the grading's sizes; left out: the unit of the file, mm for phi and sieve.
 top : {"error", "extend"}
     See `from_sieves`.
 number : bool
@@ -177,7 +186,7 @@ Raises
 ParameterError
     Naming file, row, column and value, the rule, and what to do.
 ImportError
-    For .xlsx where pandas or openpyxl is missing.
+    For .xlsx where openpyxl is missing.
 
 Examples
 --------
@@ -340,21 +349,40 @@ Examples
 >>> fabric.cdf()[-1].round(12)
 np.float64(1.0)
 )doc");
-    m.def("fitting_grid", &fitting_grid, py::arg("grading"), py::arg("material"), py::arg("max_stress_ratio"),
-          py::kw_only(), py::arg("spacing") = 0.02,
-          R"doc(A grid that fits a grading and the loads to come.
+    using namespace py::literals;
+    const GridOptions standard;
+    tell_defaults(m, "fitting_grid",
+                  py::dict("spacing"_a = standard.spacing, "bins"_a = standard.bins,
+                           "psi_min"_a = standard.psi_min, "psi_max"_a = standard.psi_max));
+    m.def(
+        "fitting_grid",
+        [](const Grading& grading, const Material& material, double max_stress_ratio, double spacing,
+           std::optional<Index> bins, std::optional<double> psi_min, std::optional<double> psi_max) {
+            return fitting_grid(grading, material, max_stress_ratio,
+                                GridOptions{spacing, bins, psi_min, psi_max});
+        },
+        py::arg("grading"), py::arg("material"), py::arg("max_stress_ratio"), py::kw_only(),
+        py::arg("spacing") = standard.spacing, py::arg("bins") = standard.bins,
+        py::arg("psi_min") = standard.psi_min, py::arg("psi_max") = standard.psi_max,
+        R"doc(A grid that fits a grading and the loads to come.
 
 Its top edge is at the largest grain (point masses sit on bin centres), its fines bin below the
-finest grains and below the crush zone of the largest load, with room for their fragments.
+finest grains and below the crush zone of the largest load, with room for their fragments. Bins or
+ends may be given; the rest is then chosen to suit them.
 
 Parameters
 ----------
 grading : Grading
 material : Material
 max_stress_ratio : float
-    Largest load to come, >= 0 and finite.
+    Largest load to come, >= 0; finite, unless bins and both ends are given.
 spacing : float
-    Wanted bin width in psi; the grid's is no larger, unless that would take more than 2000 bins.
+    Wanted bin width in psi; the grid's is no larger, unless that would take more than 2000 bins or
+    `bins` is given.
+bins : int, optional
+    Number of bins, >= 8.
+psi_min, psi_max : float, optional
+    Log sizes at the centres of the fines bin and of the last bin.
 
 Returns
 -------
@@ -363,7 +391,7 @@ LogGrid
 Raises
 ------
 ParameterError
-    For a load or spacing outside its range.
+    For a load, spacing, number of bins or end outside its range.
 
 Examples
 --------
@@ -371,6 +399,8 @@ Examples
 >>> grid = cm.fitting_grid(cm.monodisperse(1.0), cm.Material(), 1e4)
 >>> grid.psi_max, grid.psi_min < -9.2
 (0.0, True)
+>>> cm.fitting_grid(cm.gap_graded(1.0, 0.1), cm.Material(), 1e4, bins=256).bins
+256
 )doc");
     m.def(
         "_curve_on_grid",

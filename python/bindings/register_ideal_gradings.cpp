@@ -4,6 +4,9 @@
 using namespace comminute;
 
 void register_ideal_gradings(py::module_& m) {
+    using namespace py::literals;
+    tell_defaults(m, "gap_graded", py::dict("coarse_share"_a = usual_coarse_share));
+    tell_defaults(m, "fuller", py::dict("exponent"_a = fuller_exponent));
     m.def("monodisperse", &monodisperse, py::arg("size"), R"doc(All grains of one size.
 
 Parameters
@@ -26,7 +29,8 @@ Examples
 >>> cm.monodisperse(2.0).finer([1.9, 2.0])
 array([0., 1.])
 )doc");
-    m.def("gap_graded", &gap_graded, py::arg("coarse"), py::arg("fine"), py::arg("coarse_share") = 0.5,
+    m.def("gap_graded", &gap_graded, py::arg("coarse"), py::arg("fine"),
+          py::arg("coarse_share") = usual_coarse_share,
           R"doc(Two sizes and nothing between.
 
 Parameters
@@ -124,7 +128,7 @@ Examples
 >>> round(cm.log_uniform(0.01, 1.0).finer(0.1), 12)
 0.5
 )doc");
-    m.def("fuller", &fuller, py::arg("largest"), py::arg("exponent") = 0.5,
+    m.def("fuller", &fuller, py::arg("largest"), py::arg("exponent") = fuller_exponent,
           R"doc(Fuller-Talbot curve F = (size / largest)**exponent.
 
 Parameters
@@ -155,11 +159,11 @@ Examples
 Parameters
 ----------
 median : float
-    Of the uncut law.
+    Size that half the mass of the uncut law is finer than, > 0.
 sd_log : float
     Standard deviation of ln(size), > 0.
 largest : float, optional
-    Where it is cut off; left out: 4 standard deviations above the median, and `notes` says so.
+    Size at which the law is cut off; left out: 4 standard deviations above the median, and `notes` says so.
 
 Returns
 -------
@@ -187,7 +191,8 @@ d63 : float
 exponent : float
     > 0.
 largest : float, optional
-    Where it is cut off; left out: where 0.01 % would be coarser, and `notes` says so.
+    Size at which the law is cut off; left out: the size that 0.01 % of the uncut law is coarser than, and
+    `notes` says so.
 
 Returns
 -------

@@ -163,7 +163,7 @@ auto reading(const F& f) {
     return [f](Guarded<Model>& lattice) { return lattice.with([&f](const Model& l) { return f(l); }); };
 }
 
-/// The face that both lattices share; comminute/lattice.py documents it.
+/// The face that both lattices share; comminute/lattice/rings.py documents it.
 template <class Model>
 void add_lattice_methods(py::class_<Guarded<Model>>& lattice) {
     using Self = Guarded<Model>;
@@ -176,6 +176,12 @@ void add_lattice_methods(py::class_<Guarded<Model>>& lattice) {
                 return l.with([&](const Model& m) { return m.fabric(grid); });
             },
             py::arg("grid"))
+        .def(
+            "fitting_grid",
+            [](Self& l, double max_stress_ratio) {
+                return l.with([&](const Model& m) { return m.fitting_grid(max_stress_ratio); });
+            },
+            py::arg("max_stress_ratio"))
         .def_property_readonly("psi", &psi<Model>)
         .def_property_readonly("crushes", &crushes<Model>)
         .def_property_readonly(
@@ -198,9 +204,19 @@ void add_lattice_methods(py::class_<Guarded<Model>>& lattice) {
             py::is_operator());
 }
 
+/// What either lattice takes where an option is left out.
+py::dict shared_defaults(const LatticeOptions& standard) {
+    using namespace py::literals;
+    return py::dict("seed"_a = standard.seed, "replicas"_a = standard.replicas,
+                    "mean"_a = word_of(standard.mean), "threads"_a = standard.threads);
+}
+
 void register_event_driven(py::module_& m) {
     using Self = Guarded<Lattice>;
     const LatticeOptions standard;
+    py::dict defaults = shared_defaults(standard);
+    defaults["record_avalanches"] = standard.record_avalanches;
+    tell_defaults(m, "Lattice", defaults);
     const auto from_grading = [](Index cells, const Material& material, const Grading& grading,
                                  std::uint64_t seed, Index replicas, const std::string& mean, Index threads,
                                  bool record_avalanches) {
@@ -243,6 +259,10 @@ void register_time_stepped(py::module_& m) {
     using Self = Guarded<TimeSteppedLattice>;
     const LatticeOptions standard;
     const TimeStepping steps;
+    py::dict defaults = shared_defaults(standard);
+    defaults["crush_probability"] = steps.crush_probability;
+    defaults["load_factor"] = steps.load_factor;
+    tell_defaults(m, "TimeSteppedLattice", defaults);
     const auto from_grading = [](Index cells, const Material& material, const Grading& grading,
                                  double crush_probability, double load_factor, std::uint64_t seed,
                                  Index replicas, const std::string& mean, Index threads) {

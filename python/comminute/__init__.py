@@ -60,7 +60,7 @@ from comminute._core import (
     stress_ratio_at,
     uniform_size,
 )
-from comminute.files.storage import open_result
+from comminute.files.storage import EditedFileWarning, open_result
 from comminute.gradings.breakage import (
     Breakage,
     FractalFit,
@@ -86,6 +86,7 @@ __all__ = [
     "Breakage",
     "Comparison",
     "CrushZones",
+    "EditedFileWarning",
     "Fabric",
     "FolkWard",
     "FractalFit",

@@ -1,7 +1,7 @@
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from enum import IntEnum
-from typing import Literal, overload
+from typing import Any, Literal, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,7 @@ from comminute.gradings.curves import SieveTable
 
 __version__: str
 has_fftw: bool
+defaults: Mapping[str, Mapping[str, Any]]
 
 _Floats = npt.NDArray[np.float64]
 _Kind = Literal["exact", "slow", "fast", "blend"]
@@ -357,7 +358,16 @@ def rosin_rammler(d63: float, exponent: float, *, largest: float | None = ...) -
 def mixed_fabric(
     grading: Grading, grid: LogGrid, *, mean: _Mean = ..., points: Literal["exact", "binned"] = ...
 ) -> Fabric: ...
-def fitting_grid(grading: Grading, material: Material, max_stress_ratio: float, *, spacing: float = ...) -> LogGrid: ...
+def fitting_grid(
+    grading: Grading,
+    material: Material,
+    max_stress_ratio: float,
+    *,
+    spacing: float = ...,
+    bins: int | None = ...,
+    psi_min: float | None = ...,
+    psi_max: float | None = ...,
+) -> LogGrid: ...
 def percentile(
     grid: LogGrid, cdf: _Floats, percent: float, *, extrapolate: bool = ..., points: Sequence[PointMass] = ...
 ) -> float: ...
@@ -452,6 +462,7 @@ class _Lattice:
     def mean_crushes(self) -> _Floats: ...
     def grainsizes(self, grid: LogGrid) -> _Floats: ...
     def fabric(self, grid: LogGrid) -> Fabric: ...
+    def fitting_grid(self, max_stress_ratio: float) -> LogGrid: ...
     @property
     def settled_at(self) -> float | None: ...
     @property

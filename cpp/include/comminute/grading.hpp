@@ -154,16 +154,20 @@ struct COMMINUTE_API Grading {
 /// @endcode
 ///@{
 COMMINUTE_API Grading monodisperse(double size);
-/// @param coarse_share  of the mass, in [0, 1]
-COMMINUTE_API Grading gap_graded(double coarse, double fine, double coarse_share = 0.5);
+/// Share of the coarse grains in a gap-graded packing where none is given.
+inline constexpr double usual_coarse_share = 0.5;
+/// @param coarse_share  share of the mass that is coarse, in [0, 1]
+COMMINUTE_API Grading gap_graded(double coarse, double fine, double coarse_share = usual_coarse_share);
 /// @param fractal_dimension  alpha; 0 < smallest < largest, or smallest = 0 for alpha < 3
 COMMINUTE_API Grading power_law(double fractal_dimension, double smallest, double largest);
 /// Uniform in s by mass, the power law with alpha = 2.
 COMMINUTE_API Grading uniform_size(double smallest, double largest);
 /// Uniform in ln s by mass, the power law with alpha = 3.
 COMMINUTE_API Grading log_uniform(double smallest, double largest);
+/// Exponent of Fuller's own curve; any other is Talbot's.
+inline constexpr double fuller_exponent = 0.5;
 /// Fuller-Talbot F = (d / largest)^exponent, the power law with alpha = 3 - exponent from 0.
-COMMINUTE_API Grading fuller(double largest, double exponent = 0.5);
+COMMINUTE_API Grading fuller(double largest, double exponent = fuller_exponent);
 /// @param median   of the uncut law, by mass
 /// @param sd_log   standard deviation of ln s
 /// @param largest  where the law is cut off; none: 4 standard deviations above the median (a note says so)
@@ -190,11 +194,20 @@ enum class PointHandling {
 COMMINUTE_API Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mean::arithmetic,
                                   PointHandling points = PointHandling::exact);
 
+/// What a fitting grid has to keep to; whatever is not given is chosen by fitting_grid().
+struct GridOptions {
+    /// Wanted bin width, > 0. The grid's is no larger, unless that would take more than 2000 bins or `bins` is given.
+    double spacing = 0.02;
+    std::optional<Index> bins = std::nullopt;      ///< number of bins, >= 8
+    std::optional<double> psi_min = std::nullopt;  ///< log size at the centre of the fines bin
+    std::optional<double> psi_max = std::nullopt;  ///< log size at the last centre
+};
+
 /// A grid that fits: its top edge at the largest grain, the fines bin below both the finest grains and the
 /// zone of the largest load, point masses on bin centres (the two coarsest at least,
-/// unless they differ by less than a bin of the largest grid).
-/// @param max_stress_ratio  largest load to come, >= 0
-/// @param spacing           wanted bin width, > 0; the grid's is no larger, unless that would take more than 2000 bins
+/// unless they differ by less than a bin of the largest grid, or both an end and the number of bins are given).
+/// @param max_stress_ratio  largest load to come, >= 0; finite unless the options say the whole grid
+/// @throws ParameterError for a load, spacing, end or number of bins outside its range
 ///
 /// @code{.cpp}
 /// auto grid = comminute::fitting_grid(comminute::gap_graded(1.0, 0.1), comminute::Material{}, 100.0);
@@ -202,7 +215,10 @@ COMMINUTE_API Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, M
 /// CHECK(grid.centre(grid.bin_of(std::log(0.1))) == doctest::Approx(std::log(0.1)));
 /// @endcode
 COMMINUTE_API LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,
-                                   double spacing = 0.02);
+                                   const GridOptions& options = {});
+/// The same with a wanted bin width alone.
+COMMINUTE_API LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,
+                                   double spacing);
 
 /// Size D_x such that `percent` of the mass is finer: inf{d : F(d) >= percent/100}, linear in ln d inside a
 /// bin. On a plateau this is its lower end.

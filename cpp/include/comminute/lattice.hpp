@@ -113,6 +113,12 @@ class COMMINUTE_API LatticeState {
     /// Joint histogram of psi and psibar over all replicas on the continuum's own grid. @throws as grainsizes()
     Fabric fabric(const LogGrid& grid) const;
 
+    /// Grid that fits the cells as they are and the loads to come: fitting_grid() of sizes spread evenly in ln s between
+    /// the finest and the coarsest cell.
+    /// @param max_stress_ratio  largest load to come, >= 0 and finite
+    /// @throws ParameterError for a load or option outside its range
+    LogGrid fitting_grid(double max_stress_ratio, const GridOptions& options = {}) const;
+
     /// Everything that the future depends on, for storage; the constructors take it back.
     const std::vector<LatticeRing>& rings() const { return rings_; }
 

@@ -34,27 +34,6 @@ void require_ordered(double smallest, double largest) {
                          "; smallest must be less than largest");
 }
 
-constexpr Index most_bins = 2000;  // of a grid that nobody asked for: its state takes 32 MB
-
-/// Log size below which 0.1 % of the grains lie, or 25 below the top for a tail that hardly falls.
-double finest_grain(const Grading& grading) {
-    return std::log(std::max(grading.smallest(1e-3), grading.largest() * std::exp(-25.0)));
-}
-
-/// Log size below which 1 % of the fragments lie of the smallest grain that the load crushes; inf if none below `top`.
-double finest_fragment(const Material& material, double top, double max_stress_ratio) {
-    const double crushable = std::log(material.reference_size) -
-                             material.weibull_modulus / 3.0 * std::log(std::max(max_stress_ratio, 1e-300));
-    if (crushable >= top) return std::numeric_limits<double>::infinity();
-    const auto finer = [&](double r) {
-        return std::visit([r](const auto& law) { return law.cdf(r); }, material.fragments);
-    };
-    double reach = 0.0;
-    while (finer(-reach) > 1e-2 && reach < 20.0) reach += 0.25;
-    const double band = std::min(0.25 * material.k(), 1.0);  // the zone's lowest point below its tip
-    return crushable - band - reach;
-}
-
 }  // namespace
 
 double PointMasses::finer(double size_at) const {
@@ -224,33 +203,6 @@ Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean, Poin
     }
     std::fill(pmf.begin(), pmf.end(), 0.0);
     return mixed_fabric(grid, std::move(pmf), mean, std::move(exact));
-}
-
-LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,
-                     double spacing) {
-    material.validate();
-    require_stress_ratio(max_stress_ratio);
-    require(max_stress_ratio < 1e300, "max_stress_ratio", max_stress_ratio,
-            "finite; with no bound on the load a grid must be given");
-    require(spacing > 0.0 && std::isfinite(spacing), "spacing", spacing, "greater than 0 and finite");
-
-    const double top = std::log(grading.largest());
-    const double bottom =
-        std::min({finest_grain(grading), finest_fragment(material, top + spacing, max_stress_ratio),
-                  top - 8.0 * spacing}) -
-        8.0 * spacing;
-    double h = std::max(spacing, (top - bottom) / static_cast<double>(most_bins - 1));
-    const auto* points = std::get_if<PointMasses>(&grading.law);
-    if (points != nullptr && points->size.size() > 1) {
-        const double gap = top - std::log(points->size[points->size.size() - 2]);
-        // sizes that differ by less than a bin of the largest grid share one
-        const double fitted = gap / std::ceil(gap / h);
-        if ((top - bottom) / fitted < static_cast<double>(most_bins)) h = fitted;
-    }
-    // a point mass lies on the last centre, a spread grading ends at the last edge
-    const double psi_max = points != nullptr ? top : top - 0.5 * h;
-    const auto below_top = static_cast<Index>(std::ceil((psi_max - bottom) / h));
-    return {psi_max - static_cast<double>(below_top) * h, psi_max, below_top + 1};
 }
 
 }  // namespace comminute

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "base/check.hpp"
 #include "base/workers.hpp"
 #include "comminute/lattice.hpp"
+#include "gradings/fitting_grid.hpp"
 #include "lattice/ring_criterion.hpp"
 
 namespace comminute {
@@ -100,6 +102,24 @@ Fabric LatticeState::fabric(const LogGrid& grid) const {
     const double share = 1.0 / (static_cast<double>(cells()) * static_cast<double>(replicas()));
     for (double& mass : p) mass *= share;
     return {grid, std::move(p), {}, settled_at(), options_.mean};
+}
+
+LogGrid LatticeState::fitting_grid(double max_stress_ratio, const GridOptions& options) const {
+    const auto finer = [](const LatticeCell& a, const LatticeCell& b) { return a.psi < b.psi; };
+    double finest = std::numeric_limits<double>::infinity();
+    double coarsest = -finest;
+    for (const auto& ring : rings_) {
+        const auto [low, high] = std::minmax_element(ring.cells.begin(), ring.cells.end(), finer);
+        finest = std::min(finest, low->psi);
+        coarsest = std::max(coarsest, high->psi);
+    }
+    const double origin = std::log(material_.reference_size);
+    const double smallest = std::exp(finest + origin);
+    const double largest = std::exp(coarsest + origin);
+    const PointMasses one_size{{largest}, {1.0}};
+    SizeRange sizes = spread_between(smallest, largest);
+    if (smallest == largest) sizes.points = &one_size;
+    return grid_over(sizes, material_, max_stress_ratio, options);
 }
 
 }  // namespace comminute

@@ -6,7 +6,7 @@ import difflib
 from typing import TYPE_CHECKING, Any, get_args
 
 from comminute.cases.schema import FRAGMENTS, GRADINGS, Case, LoadRange
-from comminute.gradings.tables import shorten
+from comminute.util.names import shorten
 
 if TYPE_CHECKING:
     from pydantic import BaseModel, ValidationError

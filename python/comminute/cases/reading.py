@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import math
 import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,13 +14,14 @@ from pydantic import ValidationError
 
 from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, fitting_grid
 from comminute.cases.messages import explained
-from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, Sieves
+from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, MaterialTable, Sieves
 from comminute.gradings.reading import SieveData, read_sieves
 from comminute.gradings.sieves import unit_of
-from comminute.gradings.tables import is_file, read_table, shorten
+from comminute.gradings.tables import read_table
 from comminute.runs.load_path import load_path
 from comminute.runs.recipe import law_of
 from comminute.simulation import Simulation
+from comminute.util.names import is_file, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,7 +30,6 @@ Made = TypeVar("Made")
 SWEPT = ("units", "material", "grading", "grid", "engine")
 LISTS = frozenset({"x", "finer", "size", "percent_finer", "places", "notes"})  # lists by nature, never a sweep
 MOST_RUNS = 1000
-MOST_BINS = 10_000
 MOST_BYTES = 4_000_000
 
 
@@ -157,7 +156,7 @@ def _validated(raw: dict[str, Any], name: str) -> Case:
         raw = raw | {"grading": {"kind": "file"} | grading}
     fragments = raw.get("material", {}).get("fragments") if isinstance(raw.get("material"), dict) else None
     if isinstance(fragments, dict) and "law" not in fragments:
-        raw = raw | {"material": raw["material"] | {"fragments": {"law": "weibull"} | fragments}}
+        raw = raw | {"material": raw["material"] | {"fragments": {"law": MaterialTable().fragments.law} | fragments}}
     try:
         return Case.model_validate(raw)
     except ValidationError as error:
@@ -176,7 +175,8 @@ def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> Read
         "load",
         lambda: load_path(material, load.stress_ratio, load.stress, load.loading_rate, load.remix_after),  # type: ignore[arg-type]
     ).stress_ratio
-    grid = _in_table(name, "grid", lambda: _grid(case, material, grading, float(ratios.max())))
+    largest_load, given = float(ratios.max()), case.grid.model_dump()
+    grid = _in_table(name, "grid", lambda: fitting_grid(grading, material, largest_load, **given))
     _in_table(name, "grid", lambda: grading.on_grid(grid))
     case = case.model_copy(update={"grid": GridTable(bins=grid.bins, psi_min=grid.psi_min, psi_max=grid.psi_max)})
     ready = ReadyCase(case, material, grading, grid, target, varied)
@@ -274,38 +274,3 @@ def _load_file(path: Path) -> tuple[str, list[float]]:
     if not table.rows:
         raise ParameterError(f"{table.name} has a header but no loads")
     return name, [table.number(row, index) for row in table.rows]
-
-
-def _grid(case: Case, material: Material, grading: Grading, largest_load: float) -> LogGrid:
-    """Grid of a case; bins and ends that are left out are those that fit."""
-    table = case.grid
-    fitted = fitting_grid(grading, material, largest_load)
-    if table.bins is None and table.psi_min is None and table.psi_max is None:
-        return fitted
-    low = fitted.psi_min if table.psi_min is None else table.psi_min
-    if table.psi_max is not None:
-        bins = table.bins or _bins_for(table.psi_max - low, fitted.spacing)
-        return LogGrid(low, table.psi_max, bins)
-    top = float(np.log(grading.largest))
-    bins = table.bins or _bins_for(top - low, fitted.spacing)
-    if not low < top:
-        return LogGrid(low, top, bins)  # which says what is wrong with it
-    if abs(fitted.psi_max - top) > 0.25 * fitted.spacing:  # a spread grading ends at the last edge
-        spacing = (top - low) / (bins - 0.5)
-        return LogGrid(low, top - 0.5 * spacing, bins)
-    if table.psi_min is None:
-        low = top - (bins - 1) * _between_points(grading, (top - low) / (bins - 1))
-    return LogGrid(low, top, bins)
-
-
-def _bins_for(span: float, spacing: float) -> int:
-    return max(8, min(math.ceil(span / spacing) + 1, MOST_BINS)) if math.isfinite(span) else 8
-
-
-def _between_points(grading: Grading, spacing: float) -> float:
-    """Spacing no finer than wanted that puts the two coarsest point masses on centres."""
-    sizes = np.unique(grading._points(2)[0])
-    if sizes.size < 2:
-        return spacing
-    gap = float(np.log(sizes[-1] / sizes[-2]))
-    return gap / max(1, int(gap / spacing))

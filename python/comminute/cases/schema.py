@@ -3,28 +3,23 @@
 from __future__ import annotations
 
 import inspect
-import re
 from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
 import comminute as cm
+from comminute import _core
+from comminute.gradings.reading import Top
 from comminute.util.choices import EngineName, Kind, Mean, Scheme
 
 Rest = int | Literal["rest"]
 MATERIAL = cm.Material()
 WEIBULL, POWER, LOGNORMAL = cm.WeibullFragments(), cm.PowerLawFragments(), cm.LogNormalFragments()
+SIEVES = _core.defaults["from_sieves"]
 RUN = {name: p.default for name, p in inspect.signature(cm.Simulation.run).parameters.items()}
 SIMULATION = {name: p.default for name, p in inspect.signature(cm.Simulation).parameters.items()}
-
-
-def default_of(maker: Callable[..., Any], name: str) -> float:
-    """Default of a maker's parameter, from the signature that the core gives it."""
-    found = re.search(rf"{name}: [^=,)]* = ([0-9.eE+-]+)", maker.__doc__ or "")
-    if found is None:
-        raise TypeError(f"{maker.__name__} has no default for {name}")
-    return float(found[1])
+MOST_BINS = 10_000
 
 
 class Table(BaseModel):
@@ -36,7 +31,7 @@ class Table(BaseModel):
 class Units(Table):
     """Units of the case's sizes and stresses; sizes of a sieve table are converted to the former."""
 
-    size: str = "mm"
+    size: str = SIEVES["unit"]
     stress: str = "MPa"
 
 
@@ -89,8 +84,8 @@ class GradingFile(Table):
 
     kind: Literal["file"] = "file"
     file: str
-    top: Literal["error", "extend"] = "error"
-    number: bool = False
+    top: Top = SIEVES["top"]
+    number: bool = SIEVES["number"]
 
 
 class Sieves(Table):
@@ -99,8 +94,8 @@ class Sieves(Table):
     kind: Literal["sieves"]
     size: list[float]
     percent_finer: list[float]
-    top: Literal["error", "extend"] = "error"
-    number: bool = False
+    top: Top = SIEVES["top"]
+    number: bool = SIEVES["number"]
     places: list[str] = []
     notes: list[str] = []
     file: str = ""
@@ -119,7 +114,7 @@ class GapGraded(Table):
     kind: Literal["gap-graded"]
     coarse: float
     fine: float
-    coarse_share: float = default_of(cm.gap_graded, "coarse_share")
+    coarse_share: float = _core.defaults["gap_graded"]["coarse_share"]
 
 
 class PowerLawGrading(Table):
@@ -144,7 +139,7 @@ class Fuller(Table):
 
     kind: Literal["fuller"]
     largest: float
-    exponent: float = default_of(cm.fuller, "exponent")
+    exponent: float = _core.defaults["fuller"]["exponent"]
 
 
 class LogNormalGrading(Table):
@@ -192,7 +187,7 @@ AnyGrading = (
 class GridTable(Table):
     """Bins; what is left out is sized from grading, material and largest load."""
 
-    bins: int | None = Field(default=None, le=10_000)
+    bins: int | None = Field(default=None, le=MOST_BINS)
     psi_min: float | None = None
     psi_max: float | None = None
 

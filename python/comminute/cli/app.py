@@ -12,7 +12,7 @@ from typing import Annotated, NoReturn, ParamSpec
 
 import typer
 
-from comminute._core import ParameterError, ShapeError, UnavailableError, __version__
+from comminute._core import ParameterError, ShapeError, UnavailableError, __version__, defaults
 from comminute.cases.reading import ReadyCase, read_case
 from comminute.cases.running import (
     OutputExistsError,
@@ -24,10 +24,10 @@ from comminute.cases.running import (
     summary,
 )
 from comminute.cli import texts as cli_texts
-from comminute.gradings.tables import shorten
 from comminute.result import Result
 from comminute.runs.remarks import ResolutionWarning
 from comminute.simulation import Interrupted
+from comminute.util.names import shorten
 
 WRONG_INPUT, EXISTS, FAILED, MISSING_EXTRA, STOPPED = 2, 3, 4, 5, 130
 P = ParamSpec("P")
@@ -41,6 +41,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")]
+SIEVES = defaults["from_sieves"]
 Number = Annotated[bool, typer.Option("--number", help="The shares of the sieve table count grains.")]
 Top = Annotated[str, typer.Option("--top", help='"extend" closes a sieve curve short of 100 %.')]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
@@ -209,8 +210,8 @@ def _run_again(file: Path, output: Path | None, *, as_json: bool, force: bool) -
 @plain_errors
 def stats(
     file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
-    number: Number = False,
-    top: Top = "error",
+    number: Number = SIEVES["number"],
+    top: Top = SIEVES["top"],
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Follow the tail below the finest size.")] = False,
     as_json: Json = False,
 ) -> None:
@@ -231,8 +232,8 @@ def plot(
     coarse_left: Annotated[bool, typer.Option("--coarse-left", help="Sizes fall rightwards.")] = False,
     phi: Annotated[bool, typer.Option("--phi", help="Sizes on the phi scale.")] = False,
     load: Annotated[int, typer.Option("--load", help="Index of the load whose fabric is drawn.")] = -1,
-    number: Number = False,
-    top: Top = "error",
+    number: Number = SIEVES["number"],
+    top: Top = SIEVES["top"],
     force: Force = False,
 ) -> None:
     """Draw a sieve table or a result to a picture file; no window opens."""

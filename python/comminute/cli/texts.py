@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import importlib.metadata
+import json
 import os
 import platform
 import sys
 from importlib import resources
+from string import Template
 from typing import TYPE_CHECKING, Any
 
 from comminute._core import FullConvolution, LogGrid, Material, __version__, has_fftw
+from comminute.cases import schema
 from comminute.cases.running import load_rows
 
 if TYPE_CHECKING:
@@ -21,14 +24,25 @@ HELP = """Confined comminution with grainsize fabric: from a sieve curve and a s
 Exit codes: 0 done, 2 wrong input, 3 a file exists (nothing is overwritten), 4 failed, 5 an extra is missing,
 130 interrupted (finished loads are kept)."""
 
-EXTRAS = ("numpy", "typer", "pydantic", "xarray", "h5netcdf", "h5py", "matplotlib", "tqdm", "pandas", "openpyxl")
+EXTRAS = ("numpy", "typer", "pydantic", "xarray", "h5netcdf", "h5py", "matplotlib", "tqdm", "openpyxl")
 WIDTHS = {"stress": 11, "stress_ratio": 14, "d10": 10, "d50": 10, "d60": 10, "fines": 11, "crushes": 10}
 
 
 def new_case() -> dict[str, str]:
     """Files of a new case: name to text."""
     folder = resources.files("comminute.cases") / "templates"
-    return {name: (folder / name).read_text() for name in ("case.toml", "sand.csv")}
+    case = Template((folder / "case.toml").read_text()).substitute(_defaults())
+    return {"case.toml": case, "sand.csv": (folder / "sand.csv").read_text()}
+
+
+def _defaults() -> dict[str, str]:
+    """Default of every key that the template names, as it is written in TOML."""
+    material = schema.MaterialTable()
+    tables = (schema.Units(), material, material.fragments, schema.EngineTable(), schema.OutputTable())
+    found = {key: value for table in tables for key, value in table.model_dump().items()}
+    keys = {"coarse_share": schema.GapGraded, "loading_rate": schema.LoadTable, "remix_after": schema.LoadTable}
+    found |= {key: table.model_fields[key].default for key, table in keys.items()}
+    return {key: json.dumps(value) for key, value in found.items()}
 
 
 def case_summary(ready: ReadyCase) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import warnings
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,17 +14,25 @@ import numpy as np
 
 from comminute._core import Fabric, LogGrid, ParameterError, PointMass, __version__
 from comminute.files.fabric_storage import START, columns, fabric_variables, fabrics_of, rows_of
-from comminute.gradings.tables import is_file, shorten
 from comminute.lattice.results import LatticeResult
 from comminute.result import Result, needs
 from comminute.runs.recipe import Recipe, grid_record, material_of, material_record, report_of, report_record
+from comminute.util.names import is_file, shorten
 from comminute.util.whole_files import uninterrupted, write_whole
 
 LAYOUT = "comminute result 1"
+MOST_NAMED = 6  # changes that a message lists
 RINGS = ("cells", "replicas", "seed")
-SEAL = b"comminute sha256 "
-SEAL_SIZE = len(SEAL) + 64 + 1
+FINGERPRINTS = "sha256"
+WRITTEN_BY_XARRAY = {"coordinates"}  # an attribute that xarray adds when it writes, wherever it sees fit
+MAGIC = b"\x89HDF\r\n\x1a\n"
+FORMAT = "v108"  # the oldest of HDF5 that has checksums in its headers: a damaged file is an error, not another file
+ROUNDING = 1e-12  # largest difference between an array of a file and the same array computed from the others
 PACKING = {"zlib": True, "complevel": 4, "shuffle": True, "fletcher32": True, "_FillValue": None}
+
+
+class EditedFileWarning(UserWarning):
+    """A result file is not as it was written: another program changed it. The message names what differs."""
 
 
 def to_dataset(result: Result) -> Any:
@@ -91,26 +100,51 @@ def _attributes(result: Result) -> dict[str, Any]:
     }
 
 
-def _seal(file: Path) -> None:
-    """Write a fingerprint of the file behind its end, where readers of HDF5 do not look."""
-    with file.open("rb") as whole:
-        digest = hashlib.file_digest(whole, "sha256").hexdigest()
-    with file.open("ab") as end:
-        end.write(SEAL + digest.encode() + b"\n")
+def _fingerprints(data: Any) -> dict[str, str]:
+    """Hash of each array and each attribute of a dataset, by the words that name it in a message.
+
+    An array is hashed with its dtype and shape, row after row and low byte first; an attribute as UTF-8 text.
+    """
+    found = {}
+    held = [("", data.attrs), *((f"{name}:", variable.attrs) for name, variable in data.variables.items())]
+    for owner, attributes in held:
+        for key in set(attributes) - WRITTEN_BY_XARRAY:
+            found[f"attribute {owner}{key}"] = _hash(str(attributes[key]).encode("utf-8", "surrogateescape"))
+    for name, variable in data.variables.items():
+        values = np.asarray(variable.values)
+        values = np.ascontiguousarray(values, values.dtype.newbyteorder("<"))
+        found[f"array {name}"] = _hash(f"{values.dtype.str} {variable.shape} ".encode() + values.tobytes())
+    return dict(sorted(found.items()))
 
 
-def _require_sealed(file: Path) -> None:
-    """Refuse a file that is not as it was written: HDF5 may read a damaged one as another, or never come to an end."""
-    content = file.read_bytes()
-    body, seal = content[:-SEAL_SIZE], content[-SEAL_SIZE:]
-    if seal == SEAL + hashlib.sha256(body).hexdigest().encode() + b"\n":
-        return
-    if content[:8] != b"\x89HDF\r\n\x1a\n":
-        raise ParameterError(f"{file.name} is no NetCDF 4 file; give a result file (.nc)")
-    raise ParameterError(
-        f"{file.name} is no result as comminute wrote it: it is damaged, cut short, or was changed by another program; "
-        "run it again"
-    )
+def _hash(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()[:16]  # guards against accidents, which 64 bits tell apart
+
+
+def _changes(data: Any) -> list[str]:
+    """Tell what was changed in a dataset since it was written; takes the fingerprints out of its attributes.
+
+    A file of version 0.1.0 has none, and nothing can be said of it.
+    """
+    record = data.attrs.pop(FINGERPRINTS, None)
+    if record is None:
+        return []
+    written, found = json.loads(record), _fingerprints(data)
+    ways = {
+        "changed": [name for name in found if name in written and found[name] != written[name]],
+        "added": [name for name in found if name not in written],
+        "removed": [name for name in written if name not in found],
+    }
+    return [f"{shorten(name)} {way}" for way, names in ways.items() for name in names]
+
+
+def _require_consistent(result: Result, data: Any) -> None:
+    """Raise ValueError unless the arrays of an edited file agree with each other."""
+    for name, variable in to_dataset(result).variables.items():
+        if not np.allclose(data[name].values, variable.values, rtol=ROUNDING, atol=ROUNDING, equal_nan=True):
+            raise ValueError(f"{name} disagrees with the other arrays")
+    if not np.allclose(result.pmf.sum(axis=1) - 1.0, result.mass_error, rtol=0.0, atol=ROUNDING):
+        raise ValueError("pmf disagrees with mass_error")
 
 
 def require_netcdf(wanted_for: str) -> Any:
@@ -128,12 +162,16 @@ def require_netcdf(wanted_for: str) -> Any:
 def save_netcdf(result: Result, path: Path) -> Path:
     """Write a result to a NetCDF file; see `Result.save`."""
     require_netcdf(f"saving {path.name}")
+    import h5netcdf  # noqa: PLC0415  (an optional dependency)
+    from xarray.backends import H5NetCDFStore  # noqa: PLC0415
+
     data = to_dataset(result)
+    data.attrs[FINGERPRINTS] = json.dumps(_fingerprints(data))
     packing = {name: PACKING if data[name].ndim else {} for name in data.variables}
 
     def write(file: Path) -> None:
-        data.to_netcdf(file, engine="h5netcdf", encoding=packing)
-        _seal(file)
+        with h5netcdf.File(file, "w", libver=FORMAT) as opened:
+            data.dump_to_store(H5NetCDFStore(opened), encoding=packing)
 
     return write_whole(path, write)
 
@@ -154,7 +192,12 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     ParameterError
         For a file that is missing, damaged, or no result.
     ImportError
-        Naming the extra to install.
+        If xarray, h5netcdf or h5py is missing; the message names the extra to install.
+
+    Warns
+    -----
+    EditedFileWarning
+        If another program changed arrays or attributes of the file, and they still fit together.
 
     Examples
     --------
@@ -168,15 +211,39 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     file = Path(path)
     if not is_file(file):
         raise ParameterError(f"{shorten(str(file), 200)} does not exist; give a result file (.nc)")
-    _require_sealed(file)
-    with uninterrupted():
-        data = xr.load_dataset(file, engine="h5netcdf", decode_cf=False)
-    layout = str(data.attrs.get("layout", ""))
-    if layout != LAYOUT:
+    with file.open("rb") as opened:
+        if opened.read(len(MAGIC)) != MAGIC:
+            raise ParameterError(f"{file.name} is no NetCDF 4 file; give a result file (.nc)")
+    try:
+        with uninterrupted():
+            data = xr.load_dataset(file, engine="h5netcdf", decode_cf=False)
+        layout = str(data.attrs["layout"])
+        changes, result = _read(data) if layout == LAYOUT else ([], None)
+    except Exception as error:  # whatever a damaged file makes the libraries below raise
+        raise ParameterError(
+            f"{file.name} is no result as comminute wrote it: it is damaged, cut short, or was changed by another "
+            "program; run it again"
+        ) from error
+    if result is None:
         raise ParameterError(
             f"{file.name} has the layout '{shorten(layout)}', not '{LAYOUT}'; it needs another version"
         )
-    return _result(data)
+    if changes:
+        listed = ", ".join(changes[:MOST_NAMED]) + (
+            f" and {more} more" if (more := len(changes) - MOST_NAMED) > 0 else ""
+        )
+        message = f"{shorten(file.name, 200)} was changed after it was written: {listed}; it is read as it now is"
+        warnings.warn(message, EditedFileWarning, stacklevel=2)
+    return result
+
+
+def _read(data: Any) -> tuple[list[str], Result]:
+    """Tell what was changed in a dataset since it was written, and give the result that it holds now."""
+    changes = _changes(data)
+    result = _result(data)
+    if changes:
+        _require_consistent(result, data)
+    return changes, result
 
 
 def _result(data: Any) -> Result:

@@ -1,6 +1,6 @@
 """Breakage between two gradings, and the fractal dimension of one.
 
-Every function takes a `Grading` or a `SizeCurve` (`result.curve(k)`); all are by mass.
+Every function takes a `Grading` or a `SizeCurve` (`result.curve(k)`); all measures are by mass.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ from comminute.gradings.curves import SizeCurve, mean_power
 from comminute.gradings.indices import Curve
 from comminute.gradings.sieves import millimetres
 
-HARDIN_SILT = 0.074  # mm: grains below it break no further in Hardin's sense
+HARDIN_SILT = 0.074  # [mm] size below which grains break no further in Hardin's sense
 EINAV_DIMENSION = 2.6  # default fractal dimension of the ultimate grading
 
 
 def relative_breakage(before: Curve, after: Curve) -> float:
     """Hardin's relative breakage B_r = (B_p0 - B_p) / B_p0.
 
-    B_p is the integral of b_p dF with b_p = log10(D / 0.074 mm) above 0.074 mm and 0 below: exact for
-    curves that are linear in ln D between points.
+    B_p is the integral of b_p dF, where b_p = log10(D / 0.074 mm) above 0.074 mm and 0 below. It is exact
+    for curves that are linear in ln D between points.
 
     Parameters
     ----------
     before, after : Grading or SizeCurve
-        With a unit, since 0.074 mm is a size; the units may differ.
+        Gradings whose sizes have a unit, since 0.074 mm is a size; the two units may differ.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def relative_breakage(before: Curve, after: Curve) -> float:
     Raises
     ------
     ParameterError
-        For sizes without a unit, or a grading that is all below 0.074 mm.
+        For sizes without a unit, and if all of `before` is below 0.074 mm.
 
     Notes
     -----
@@ -110,23 +110,24 @@ def breakage_index(
     Parameters
     ----------
     before, after : Grading or SizeCurve
-        In one unit.
+        Gradings with sizes in one unit.
     fractal_dimension : float
-        Of the ultimate grading, below 3.
+        Fractal dimension of the ultimate grading, below 3.
     smallest : float
-        d_m; 0, the default, depends on no grid and no finest sieve.
+        Smallest size d_m of the ultimate grading. With 0, the default, B depends on no grid and no finest sieve.
     largest : float, optional
-        d_M; left out: the largest size of `before`.
+        Largest size d_M of the ultimate grading; left out, it is the largest size of `before`.
 
     Returns
     -------
     Breakage
-        With d_m and d_M as `smallest` and `largest`.
+        Indices with the ultimate grading they refer to: d_m is its `smallest`, d_M its `largest`.
 
     Raises
     ------
     ParameterError
-        For two units, sizes out of order, or a `before` that is no coarser than the ultimate grading.
+        For gradings in different units, sizes out of order, and a `before` that is no coarser than the ultimate
+        grading.
 
     Notes
     -----
@@ -148,7 +149,7 @@ def breakage_index(
     power = 3.0 - fractal_dimension
     if not power > 0.0:
         raise ParameterError(f"fractal_dimension is {fractal_dimension:g}; it must be less than 3")
-    # by parts, the integral of F d ln d up to ln(d_M) is the mean of ln(d_M / d)
+    # integration by parts makes the integral of F d ln d up to ln(d_M) the mean of ln(d_M / d)
     start, end = mean_log(first), mean_log(last)
     ratio = smallest / top
     span = math.log(ratio) if ratio > 0.0 else 0.0
@@ -224,7 +225,7 @@ def fractal_dimension(curve: Curve, smallest: float, largest: float) -> FractalF
     ----------
     curve : Grading or SizeCurve
     smallest, largest : float
-        The window; the curve's points in it are fitted.
+        Ends of the window; the points of the curve between them are fitted.
 
     Returns
     -------
@@ -233,7 +234,7 @@ def fractal_dimension(curve: Curve, smallest: float, largest: float) -> FractalF
     Raises
     ------
     ParameterError
-        For fewer than three points with F > 0 in the window.
+        If the window holds fewer than three points with F > 0.
 
     Notes
     -----

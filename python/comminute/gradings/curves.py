@@ -1,4 +1,4 @@
-"""A grading curve as points: what every index is computed from, whether measured, ideal or crushed."""
+"""Grading curves as points, measured, ideal or crushed alike; every index is computed from them."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 Floats = npt.NDArray[np.float64]
-ENDS_AT_ONE = 1e-6
-ROUNDING = 1e-12  # a curve is a sum: its plateaus and its 1 are good to this
+ENDS_AT_ONE = 1e-6  # largest distance of the last value of a cdf from 1
+ROUNDING = 1e-12  # rounding error of a curve, which is a sum: of its plateaus and of its last value, 1
 
 
 class SieveTable(NamedTuple):
-    """A grading on sieves, coarse to fine; its first three are what `Grading.from_sieves` takes.
+    """Grading on sieves, coarse to fine; `Grading.from_sieves` takes its first three fields.
 
     Attributes
     ----------
     size : ndarray (M,)
-        Openings.
+        Openings, in `unit`.
     percent_finer : ndarray (M,)
         Per cent of the mass that passes each.
     unit : str
-        Of the openings.
+        Unit of the openings.
     percent_retained : ndarray (M,)
         Per cent of the mass that stays on each.
     pan : float
@@ -63,13 +63,13 @@ class SizeCurve:
     Attributes
     ----------
     size : ndarray (M,)
-        Sizes > 0, never falling; two equal sizes are a jump (a point mass).
+        Sizes > 0 in ascending order; two equal sizes are a jump (a point mass).
     finer : ndarray (M,)
-        Mass fraction finer than each, never falling, the last 1.
+        Mass fraction finer than each size, never falling, the last 1.
     unit : str
-        Of the sizes; empty where they are relative.
+        Unit of the sizes; empty where they are relative.
     tail_slope : float
-        Below the finest point F = finer[0] (d / size[0])**tail_slope, where finer[0] > 0.
+        Exponent of the curve below its finest point, F = finer[0] (d / size[0])**tail_slope; used where finer[0] > 0.
 
     Examples
     --------
@@ -86,12 +86,12 @@ class SizeCurve:
 
     @classmethod
     def of(cls, grading: Grading | SizeCurve) -> SizeCurve:
-        """Curve of a grading: its sieves or point masses as they are, a law at 20001 sizes.
+        """Curve of a grading: its sieves or point masses as they are, a law at sizes evenly spaced in ln d.
 
         Raises
         ------
         TypeError
-            For anything else; of a result take `Result.curve`.
+            For any other object; a result gives its curves by `Result.curve`.
         """
         if isinstance(grading, SizeCurve):
             return grading
@@ -113,7 +113,7 @@ class SizeCurve:
         cdf : ndarray (N,)
             Fraction finer than the upper edge of each bin.
         unit : str
-            Of the sizes.
+            Unit of the sizes.
         points : sequence of PointMass
             Exact sizes that are part of `cdf`, fine to coarse: the curve jumps there, inside their bins.
 
@@ -153,7 +153,7 @@ class SizeCurve:
         Raises
         ------
         ParameterError
-            For sizes without a unit, or one that is not known.
+            For sizes without a unit, and for a unit that is not known.
 
         Examples
         --------
@@ -180,19 +180,19 @@ class SizeCurve:
     def percentile(self, percent: float, *, extrapolate: bool = False) -> float:
         """Size D_x such that `percent` of the mass is finer: inf{d : F(d) >= percent / 100}.
 
-        On a plateau this is its lower end.
+        Where the curve has a plateau at that value, D_x is the plateau's lower end.
 
         Parameters
         ----------
         percent : float
-            In [0, 100].
+            Per cent of the mass, in [0, 100].
         extrapolate : bool
-            Go on below the finest point, along the tail.
+            Continue below the finest point, along the tail.
 
         Returns
         -------
         float
-            In `unit`.
+            Size, in `unit`.
 
         Raises
         ------
@@ -221,7 +221,7 @@ class SizeCurve:
         return on_sieves(self, sieves)
 
     def number_finer(self, smallest: float | None = None) -> SizeCurve:
-        """Count the same grains: fraction of their number finer than each size.
+        """Convert to a curve by number: fraction of the grains, counted, finer than each size.
 
         Mass is even in ln d between points, and a grain's mass goes with its size cubed, so that
         N(> s) is proportional to the integral of s**-3 dF.
@@ -229,12 +229,12 @@ class SizeCurve:
         Parameters
         ----------
         smallest : float, optional
-            Grains below it are left out. Needed where the tail has no end: their number is infinite.
+            Size below which grains are not counted. Needed where the tail has no end, since it holds infinitely many.
 
         Raises
         ------
         ParameterError
-            For a tail without an end and no `smallest`.
+            For a tail without an end where `smallest` is not given.
 
         Examples
         --------
@@ -284,7 +284,7 @@ def on_sieves(curve: Grading | SizeCurve, sieves: str | Sequence[float] | Floats
         )
     finer = 100.0 * np.asarray(curve.finer(openings) if isinstance(curve, Grading) else curve.finer_than(openings))
     finer[openings >= largest * (1.0 - ROUNDING)] = 100.0
-    # of a whole series only the part that says something: one sieve that all pass, one that nothing passes
+    # a whole series is cut to the part that tells something: from one sieve that all pass to one that nothing passes
     first = int(np.flatnonzero(finer == 100.0)[-1]) if named else 0
     nothing = np.flatnonzero(finer == 0.0)
     last = int(nothing[0]) + 1 if named and nothing.size else openings.size

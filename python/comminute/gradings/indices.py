@@ -1,6 +1,6 @@
-"""Numbers that soil mechanics, sedimentology and milling read from a grading curve.
+"""Indices of a grading curve in soil mechanics, sedimentology and milling.
 
-Every function takes a `Grading` or a `SizeCurve` (`result.curve(k)`); all are by mass.
+Every function takes a `Grading` or a `SizeCurve` (`result.curve(k)`); all indices are by mass.
 """
 
 from __future__ import annotations
@@ -96,19 +96,19 @@ class FolkWard:
 def folk_ward(curve: Curve, *, scale: Literal["phi", "metric"] = "phi", extrapolate: bool = False) -> FolkWard:
     """Graphic mean, sorting, skewness and kurtosis.
 
-    With phi_x the size in phi that x per cent are *coarser* than (phi_16 = -log2(D84 / mm)):
+    phi_x is the size in phi that x per cent of the mass are *coarser* than (phi_16 = -log2(D84 / mm)):
 
         mean      (phi_16 + phi_50 + phi_84) / 3
         sorting   (phi_84 - phi_16) / 4 + (phi_95 - phi_5) / 6.6
-        skewness  (phi_16 + phi_84 - 2 phi_50) / (2 (phi_84 - phi_16)) + the same of phi_5, phi_95
+        skewness  (phi_16 + phi_84 - 2 phi_50) / (2 (phi_84 - phi_16)) + the same with phi_5, phi_95
         kurtosis  (phi_95 - phi_5) / (2.44 (phi_75 - phi_25))
 
     Parameters
     ----------
     curve : Grading or SizeCurve
     scale : {"phi", "metric"}
-        "metric" takes ln D in place of phi: geometric mean in the unit of the curve, sorting as a
-        ratio, skewness positive for a tail of fines in either scale.
+        "metric" takes -ln D in place of phi, which makes the mean a geometric mean in the unit of the curve and
+        the sorting a ratio. A tail of fines has positive skewness on either scale.
     extrapolate : bool
         Follow the tail below the finest sieve for D5 and D16.
 
@@ -157,7 +157,7 @@ def phi(size: float | Floats, unit: str = "mm") -> Floats:
     Raises
     ------
     ParameterError
-        For a unit that is not known; sizes without a unit have no phi.
+        For a unit that is not known, and for sizes without a unit, which have no phi.
 
     Notes
     -----
@@ -174,7 +174,7 @@ def phi(size: float | Floats, unit: str = "mm") -> Floats:
 
 @dataclass(frozen=True)
 class Milling:
-    """What a mill did: 80 % passing sizes, reduction ratio, and per cent finer than a tenth of the parent size."""
+    """Effect of a mill: 80 % passing sizes, reduction ratio, and per cent finer than a tenth of the parent size."""
 
     f80: float
     p80: float
@@ -189,10 +189,10 @@ def milling(feed: Curve, product: Curve, *, parent: float | None = None) -> Mill
     Parameters
     ----------
     feed, product : Grading or SizeCurve
-        In one unit.
+        Gradings before and after the mill, with sizes in one unit.
     parent : float, optional
-        Size whose tenth t10 refers to; left out: D50 of the feed, which for a narrow fraction is the
-        geometric mean of its two sieves.
+        Parent size, a tenth of which is the size of t10. Left out, it is D50 of the feed, which for a narrow
+        fraction is the geometric mean of its two sieves.
 
     Returns
     -------
@@ -201,7 +201,7 @@ def milling(feed: Curve, product: Curve, *, parent: float | None = None) -> Mill
     Raises
     ------
     ParameterError
-        For two units, or 80 % passing sizes below the finest sieve.
+        For gradings in different units, and where an 80 % passing size lies below the finest sieve.
 
     Notes
     -----
@@ -230,7 +230,7 @@ def fines_share(curve: Curve, size: float) -> float:
     ----------
     curve : Grading or SizeCurve
     size : float
-        In the unit of the curve, > 0.
+        Size > 0, in the unit of the curve.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Sieve tables from files: which column means what, and what a laboratory's numbers come to as per cent finer."""
+"""Sieve tables from files: the meaning of their columns, and per cent finer from a laboratory's numbers."""
 
 from __future__ import annotations
 
@@ -11,20 +11,21 @@ from pathlib import Path
 from typing import Literal
 
 from comminute._core import Grading, ParameterError
+from comminute.gradings.rows import Row
 from comminute.gradings.sieves import convert, sieve_size, unit_of
-from comminute.gradings.tables import Row, Table, read_table
+from comminute.gradings.tables import Table, read_table
 
 Top = Literal["error", "extend"]
 VALUES = ("percent_finer", "percent_retained", "percent_cumulative_retained", "mass_retained_g")
 ALIASES = {"percent_passing": "percent_finer", "percent_coarser": "percent_cumulative_retained"}
 SIZES = ("size_mm", "size_um", "size_cm", "size_m", "size_in", "phi", "sieve")
-SIZE_WORDS = "sieve|sieve_size|sieve_opening|opening|aperture|diameter|grainsize|grain_size"  # before a unit
-ROUNDED = 0.5  # per cent by which a laboratory's rounded shares may miss 100
+SIZE_WORDS = "sieve|sieve_size|sieve_opening|opening|aperture|diameter|grainsize|grain_size"  # followed by a unit
+ROUNDED = 0.5  # [per cent] largest distance of the sum of rounded shares from 100
 
 
 @dataclass(frozen=True)
 class SieveData:
-    """What a file says: sieves in its order, per cent finer, and what was assumed in reading it."""
+    """Content of a sieve table: its sieves in their order, per cent finer, and the assumptions made in reading it."""
 
     size: tuple[float, ...]
     percent_finer: tuple[float, ...]
@@ -33,7 +34,7 @@ class SieveData:
     notes: tuple[str, ...]
     name: str
 
-    def grading(self, *, top: Top = "error", number: bool = False) -> Grading:
+    def grading(self, *, top: Top, number: bool) -> Grading:
         """Grading of these sieves; errors name the file and its rows."""
         try:
             return Grading.from_sieves(
@@ -51,9 +52,7 @@ class SieveData:
             raise ParameterError(message if message.startswith(self.name) else f"{self.name}: {message}") from None
 
 
-def read_grading(
-    path: str | os.PathLike[str], *, unit: str | None = None, top: Top = "error", number: bool = False
-) -> Grading:
+def read_grading(path: str | os.PathLike[str], *, unit: str | None, top: Top, number: bool) -> Grading:
     """Grading from a sieve table; see `Grading.read`."""
     return read_sieves(path, unit=unit).grading(top=top, number=number)
 
@@ -99,7 +98,7 @@ def read_sieves(path: str | os.PathLike[str], *, unit: str | None = None) -> Sie
 
 
 def _columns(table: Table) -> tuple[int, str, str, int, str, list[str]]:
-    """Where sizes and values stand and what they are called, unit of the sizes, and columns without a use."""
+    """Index and name of the size column, unit of the sizes, index and name of the value column, and unused columns."""
     found_sizes, found_values, unused = [], [], []
     for index, raw in table.columns():
         name = _usual(raw)
@@ -140,7 +139,7 @@ def _wrong_header(kind: str, found: list[str], known: tuple[str, ...], unused: l
 
 
 def _size(table: Table, row: Row, column: int, name: str) -> float:
-    """One sieve opening, in the unit that the column has (mm for phi and designations)."""
+    """One sieve opening, in the unit of its column (mm for phi and designations)."""
     if name == "sieve":
         try:
             return sieve_size(row.cells[column])
@@ -178,7 +177,7 @@ def _from_cumulative(table: Table, values: list[float], in_pan: float | None, no
 def _from_retained(
     table: Table, name: str, sizes: list[float], values: list[float], in_pan: float | None, notes: list[str]
 ) -> list[float]:
-    """Per cent finer from what stays on each sieve and in the pan."""
+    """Per cent finer on each sieve, from the mass or share retained on each and in the pan."""
     total = math.fsum(values) + (in_pan or 0.0)
     if not total > 0.0:
         raise ParameterError(f"{table.name}: column {name} adds up to 0; some mass must be on the sieves")
@@ -208,7 +207,7 @@ def _from_retained(
     for q in order:
         finer[q] = 100.0 * min(math.fsum([rest, *passed]) / whole, 1.0)
         passed.append(values[q])
-    # what nothing stays on or above is passed by all, whatever the rounding
+    # a sieve is passed by all where nothing stays on it or above, whatever the rounding
     for q in reversed(order):
         if values[q] != 0.0:
             break

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from comminute._core import ParameterError
-from comminute.gradings.tables import shorten
+from comminute.util.names import shorten
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -69,20 +69,20 @@ SIEVE_SERIES = {
 
 
 def unit_of(text: str) -> str:
-    """Name under which a unit of length is known, "um" for "µm"; empty for one that is not."""
+    """Name of a unit of length in this library, "um" for "µm"; empty for a unit that it does not know."""
     word = text.strip()
     word = SPELLINGS.get(word, word)
     return word if word in IN_MM else SPELLINGS.get(word.lower(), "")
 
 
 def convert(value: float, unit: str, to: str) -> float:
-    """Take a length to another unit, rounded as few times as may be.
+    """Convert a length to another unit, with as few roundings as possible.
 
     Parameters
     ----------
     value : float
     unit, to : str
-        Of "nm", "um", "mm", "cm", "m", "in".
+        Units before and after: "nm", "um", "mm", "cm", "m" or "in".
 
     Returns
     -------
@@ -91,7 +91,7 @@ def convert(value: float, unit: str, to: str) -> float:
     Raises
     ------
     ParameterError
-        For a unit that is not known; sizes without a unit cannot be converted.
+        For a unit that is not known, and for sizes without a unit, which cannot be converted.
 
     Examples
     --------
@@ -110,7 +110,7 @@ def convert(value: float, unit: str, to: str) -> float:
 
 
 def millimetres(unit: str, wanted_for: str) -> float:
-    """Millimetres in a unit; `wanted_for` says in an error what needs it."""
+    """Millimetres in a unit; `wanted_for` names, for an error message, the quantity that needs it."""
     if not unit_of(unit):
         raise ParameterError(
             f"unit is '{unit}'; {wanted_for} needs sizes in a known unit ({', '.join(IN_MM)}): "
@@ -125,8 +125,9 @@ def sieve_sizes(series: str, unit: str = "mm") -> npt.NDArray[np.float64]:
     Parameters
     ----------
     series : {"ISO R20/3", "ISO R40/3", "ASTM E11"}
-        Capitals, blanks and dashes do not matter.
+        Name of the series; capitals, blanks and dashes do not matter.
     unit : str
+        Unit of the openings.
 
     Returns
     -------
@@ -135,7 +136,7 @@ def sieve_sizes(series: str, unit: str = "mm") -> npt.NDArray[np.float64]:
     Raises
     ------
     ParameterError
-        For a series or unit it does not know.
+        For a series or unit that is not known.
 
     Notes
     -----

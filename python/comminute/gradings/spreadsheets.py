@@ -1,52 +1,75 @@
-"""Rows of a spreadsheet's first sheet, through pandas where it is installed."""
+"""Rows of a spreadsheet's first sheet, read by openpyxl where it is installed."""
 
 from __future__ import annotations
 
-import math
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Any
 
 from comminute._core import ParameterError
-from comminute.gradings.tables import Row, shorten
+from comminute.gradings.rows import Row
+from comminute.util.names import shorten
 
-if TYPE_CHECKING:
-    from pathlib import Path
+OTHER_KINDS = (".xls", ".ods")
 
 
 def spreadsheet_rows(path: Path) -> list[Row]:
-    """Rows that are not empty, with their numbers in the sheet; lines that begin with # are comments.
+    """Rows of the first sheet that are not empty, with their numbers in the sheet.
+
+    A row that begins with # is a comment. A formula counts by the value that a spreadsheet program last computed
+    for it.
+
+    Parameters
+    ----------
+    path : Path
+        An .xlsx file.
+
+    Returns
+    -------
+    list of Row
+        All of one width; columns to the right in which no row has text are left out.
 
     Raises
     ------
     ImportError
-        Naming the extra to install.
+        If openpyxl is missing; the message names the extra to install.
     ParameterError
-        For a file that is no spreadsheet.
+        For a file that is no .xlsx spreadsheet.
     """
+    if path.suffix.lower() in OTHER_KINDS:
+        raise ParameterError(f"{path.name} is no .xlsx spreadsheet; save the table as .xlsx or .csv")
     try:
-        import openpyxl  # noqa: F401, PLC0415
-        import pandas as pd  # noqa: PLC0415
+        import openpyxl  # noqa: PLC0415  (an optional dependency)
     except ImportError as error:
-        message = f"reading {path.name} needs pandas and openpyxl; install them with: pip install 'comminute[xlsx]'"
+        message = f"reading {path.name} needs openpyxl; install it with: pip install 'comminute[xlsx]'"
         raise ImportError(message) from error
     try:
-        sheet = pd.read_excel(path, sheet_name=0, header=None, dtype=object, keep_default_na=False)
-    except Exception as error:  # the reader's own errors are of many classes, and none is documented
+        with path.open("rb") as file:
+            book = openpyxl.load_workbook(file, read_only=True, data_only=True, keep_links=False)
+            try:
+                rows = _rows(book.worksheets[0])
+            finally:
+                book.close()
+    except Exception as error:  # openpyxl's own errors are of many classes, and none is documented
         raise ParameterError(f"{path.name} is no readable spreadsheet: {shorten(str(error), 120)}") from error
-    rows = []
-    for number, values in enumerate(sheet.itertuples(index=False, name=None), 1):
-        cells = tuple(_text(value) for value in values)
-        if any(cells) and not cells[0].startswith("#"):
-            rows.append(Row(number, cells))
-    return _trimmed(rows)
-
-
-def _text(value: object) -> str:
-    if isinstance(value, float) and math.isnan(value):
-        return ""
-    return repr(value) if isinstance(value, float) else str(value).strip()
-
-
-def _trimmed(rows: list[Row]) -> list[Row]:
-    """Without the columns to the right in which nothing stands."""
     width = max((1 + max(i for i, cell in enumerate(row.cells) if cell) for row in rows), default=0)
-    return [Row(row.number, row.cells[:width]) for row in rows]
+    return [Row(row.number, (row.cells + width * ("",))[:width]) for row in rows]
+
+
+def _rows(sheet: Any) -> list[Row]:
+    sheet.reset_dimensions()  # some programs write a range that does not hold all cells
+    rows = []
+    for number, cells in enumerate(sheet.iter_rows(), 1):
+        texts = tuple(_text(cell) for cell in cells)
+        if any(texts) and not texts[0].startswith("#"):
+            rows.append(Row(number, texts))
+    return rows
+
+
+def _text(cell: Any) -> str:
+    """Text of a cell: a whole number without decimal point, nothing for an empty cell or one that shows an error."""
+    value = cell.value
+    if value is None or cell.data_type == "e":
+        return ""
+    if isinstance(value, float):
+        return str(int(value)) if value.is_integer() else repr(value)
+    return str(value).strip()

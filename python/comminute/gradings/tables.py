@@ -10,26 +10,21 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from comminute._core import ParameterError
+from comminute.gradings.rows import Row
+from comminute.gradings.spreadsheets import spreadsheet_rows
+from comminute.util.names import is_file, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma"}
-MOST_BYTES = 16_000_000  # of a sieve table; anything larger is another kind of file
+MOST_BYTES = 16_000_000  # largest sieve table; anything larger is another kind of file
 NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True)
-class Row:
-    """One line of a table: its number in the file, counted from 1, and its cells as text."""
-
-    number: int
-    cells: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class Table:
-    """Header and rows of a file; cells are text until a column is asked for as numbers."""
+    """Header and rows of a file; a cell is text until it is read as a number."""
 
     name: str
     header: Row
@@ -37,7 +32,7 @@ class Table:
     decimal_comma: bool
 
     def place(self, row: Row) -> str:
-        """Where a row stands, for messages."""
+        """Name of a row in messages: file and number."""
         return f"{self.name} row {row.number}"
 
     def columns(self) -> Iterator[tuple[int, str]]:
@@ -51,7 +46,7 @@ class Table:
         Raises
         ------
         ParameterError
-            Naming file, row, column and text.
+            For a cell that is no finite number; the message names file, row, column and text.
         """
         text = row.cells[column].strip()
         plain = text.removesuffix("%").rstrip()
@@ -69,20 +64,6 @@ class Table:
         raise ParameterError(f"{self.place(row)}, column {name}: the value {what}{remedy}")
 
 
-def shorten(text: str, most: int = 40) -> str:
-    """Text for a message: printable, and no longer than a line can hold."""
-    clean = "".join(c if c.isprintable() else "?" for c in text)
-    return clean if len(clean) <= most else clean[: most - 3] + "..."
-
-
-def is_file(path: Path) -> bool:
-    """Whether a path names a file; a name that no file can have does not."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
-
-
 def read_table(path: Path) -> Table:
     """Table in a .csv, .txt, .tsv or .xlsx file.
 
@@ -91,15 +72,13 @@ def read_table(path: Path) -> Table:
     ParameterError
         For a file that is missing, empty, no text, or uneven; the message names file and row.
     ImportError
-        For .xlsx where pandas or openpyxl is missing.
+        For .xlsx where openpyxl is missing.
     """
     if not is_file(path):
         raise ParameterError(f"{shorten(str(path), 200)} is no file; give a sieve table (.csv or .xlsx)")
     if path.stat().st_size > MOST_BYTES:
         raise ParameterError(f"{path.name} has {path.stat().st_size / 1e6:.0f} MB; a sieve table has a few lines")
     if path.suffix.lower() in (".xlsx", ".xls", ".ods"):
-        from comminute.gradings.spreadsheets import spreadsheet_rows  # noqa: PLC0415  (pandas is optional)
-
         return _table(path.name, spreadsheet_rows(path), decimal_comma=False)
     return _text_table(path)
 
@@ -110,7 +89,7 @@ def _text_table(path: Path) -> Table:
     try:
         text = raw.decode(encoding)
     except UnicodeDecodeError:
-        text = raw.decode("latin-1")  # what older spreadsheets write; only comments and units can differ
+        text = raw.decode("latin-1")  # older spreadsheets write it; only comments and units can differ
     if "\x00" in text:
         raise ParameterError(f"{path.name} is no text file (it holds zero bytes); save the table as CSV")
     lines = [

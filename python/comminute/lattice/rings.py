@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Self, TypedDict, Unpack
@@ -11,15 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from comminute import _core
-from comminute._core import (
-    Fabric,
-    Grading,
-    LogGrid,
-    Material,
-    fitting_grid,
-    log_uniform,
-    monodisperse,
-)
+from comminute._core import Fabric, Grading, LogGrid, Material
 from comminute.lattice.results import LatticeResult, mean_and_error
 from comminute.runs.load_path import LoadPath, load_path, wanted_fabrics
 from comminute.simulation import Interrupted
@@ -29,7 +20,7 @@ Floats = npt.NDArray[np.float64]
 
 
 class _Options(TypedDict, total=False):
-    """Options of either lattice; their defaults are the C++ struct's."""
+    """Options of either lattice; one that is left out has the core's default, `_core.defaults`."""
 
     seed: int
     replicas: int
@@ -111,7 +102,7 @@ class Rings:
 
     @property
     def crushes(self) -> npt.NDArray[np.uint32]:
-        """(replicas, cells) how often each cell has crushed since the start; a copy."""
+        """(replicas, cells) number of times each cell has crushed since the start; a copy."""
         return self._core.crushes
 
     @property
@@ -136,7 +127,7 @@ class Rings:
 
     @property
     def seed(self) -> int:
-        """Of the random numbers."""
+        """Seed of the random number generator."""
         return self._core.seed
 
     @property
@@ -146,7 +137,7 @@ class Rings:
 
     @property
     def threads(self) -> int:
-        """At most so many rings are worked on at a time; changes no bit of the results."""
+        """Largest number of rings that are worked on at a time; changes no bit of the results."""
         return self._core.threads
 
     def grainsizes(self, grid: LogGrid) -> Floats:
@@ -228,7 +219,7 @@ class Rings:
         """
         path = load_path(self.material, stress_ratio, stress, 0.0, remix_after)
         wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size)
-        grid = grid or self._fitting_grid(float(path.stress_ratio.max()))
+        grid = grid or self._core.fitting_grid(float(path.stress_ratio.max()))
         start = self.fabric(grid)
         records = _Records()
         try:
@@ -242,11 +233,6 @@ class Rings:
         except KeyboardInterrupt:
             raise Interrupted(self._result(start, path, records) if records.pmf else None) from None
         return self._result(start, path, records)
-
-    def _fitting_grid(self, max_stress_ratio: float) -> LogGrid:
-        smallest, largest = math.exp(self.psi.min()), math.exp(self.psi.max())
-        sizes = log_uniform(smallest, largest) if smallest < largest else monodisperse(largest)
-        return fitting_grid(sizes, self.material, max_stress_ratio)
 
     def _result(self, start: Fabric, path: LoadPath, records: _Records) -> LatticeResult:
         done = len(records.pmf)
@@ -288,15 +274,15 @@ class Lattice(Rings):
     material : Material
     grading : Grading
         The sizes are drawn from it independently.
-    seed : int
-        Of the random numbers; each replica has a stream of its own.
-    replicas : int
+    seed : int, default 0
+        Seed of the random number generator; each replica has a stream of its own.
+    replicas : int, default 1
         Independent rings, >= 1.
-    mean : {"arithmetic", "geometric"}
+    mean : {"arithmetic", "geometric"}, default "arithmetic"
         How two neighbours make a neighbourhood grainsize (Eq. 48 or 65).
-    threads : int
-        At most so many rings are worked on at a time; changes no bit of the results.
-    record_avalanches : bool
+    threads : int, default 1
+        Largest number of rings that are worked on at a time; changes no bit of the results.
+    record_avalanches : bool, default False
         Keep the size of every avalanche, 16 bytes each; see `avalanches`.
 
     Raises
@@ -379,10 +365,10 @@ class TimeSteppedLattice(Rings):
     ----------
     cells, material, grading
         As for `Lattice`.
-    crush_probability : float
-        Of an active cell in one pass, in (0, 1]; 0.1 if left out.
-    load_factor : float
-        From one load to the next, > 1; 1.01 if left out, inf goes at once to the load asked for.
+    crush_probability : float, default 0.1
+        Probability that an active cell crushes in one pass, in (0, 1].
+    load_factor : float, default 1.01
+        Ratio of each load to the one before, > 1; inf goes at once to the load asked for.
     seed, replicas, mean, threads
         As for `Lattice`.
 
@@ -415,12 +401,12 @@ class TimeSteppedLattice(Rings):
 
     @property
     def crush_probability(self) -> float:
-        """Of an active cell in one pass."""
+        """Probability that an active cell crushes in one pass."""
         return self._core.crush_probability
 
     @property
     def load_factor(self) -> float:
-        """From one load to the next."""
+        """Ratio of each load to the one before."""
         return self._core.load_factor
 
     def crush_pass(self, stress_ratio: float) -> int:

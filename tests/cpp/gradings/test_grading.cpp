@@ -6,6 +6,7 @@
 using comminute::fitting_grid;
 using comminute::gap_graded;
 using comminute::Grading;
+using comminute::GridOptions;
 using comminute::LogGrid;
 using comminute::Material;
 using comminute::monodisperse;
@@ -391,6 +392,59 @@ TEST_CASE("a fitting grid is refused where no load bounds it, and stays finite f
     }
     CHECK(bins < 20000);
     CHECK(refusal.find("psi_min") == std::string::npos);
+}
+
+TEST_CASE("a fitting grid keeps to the bins and ends that are given, and still holds the grading") {
+    const Grading gap = gap_graded(2.0, 0.2);
+    const Grading spread = power_law(2.5, 0.0, 2.0);
+    const double top = std::log(2.0);
+    for (const auto& grading : {gap, spread}) {
+        const bool points = grading == gap;
+        const auto fit = [&](const GridOptions& options) {
+            return fitting_grid(grading, Material{}, 50.0, options);
+        };
+        const LogGrid free = fit({});
+        GridOptions options;
+        options.bins = 100;
+        for (const auto& low : {std::optional<double>{}, std::optional<double>{-5.0}}) {
+            options.psi_min = low;
+            const LogGrid grid = fit(options);
+            CHECK(grid.bins() == 100);
+            if (low) CHECK(grid.psi_min() == -5.0);
+            // the largest grain lies on the last centre, or at the last edge
+            CHECK((points ? grid.psi_max() : grid.edge(100)) == doctest::Approx(top).epsilon(1e-14));
+            if (points && !low)
+                CHECK(std::abs(grid.centre(grid.bin_of(std::log(0.2))) - std::log(0.2)) < 1e-12);
+        }
+        options = {};
+        options.psi_max = 1.0;
+        CHECK(fit(options).psi_min() == free.psi_min());
+        CHECK(fit(options).psi_max() == 1.0);
+        CHECK(fit(options).spacing() <= free.spacing());
+        options.psi_min = -5.0;
+        CHECK(fit(options).psi_min() == -5.0);
+        CHECK(fit(options).spacing() <= free.spacing());
+        options.bins = 99;  // nothing is left to fit, so that no load needs to bound it
+        CHECK(fitting_grid(grading, Material{}, infinity, options) == LogGrid(-5.0, 1.0, 99));
+    }
+    CHECK(fitting_grid(spread, Material{}, 50.0, 0.05) ==
+          fitting_grid(spread, Material{}, 50.0, GridOptions{0.05}));
+}
+
+TEST_CASE("bins and ends that make no grid are refused") {
+    const auto refused = [](std::optional<Index> bins, std::optional<double> low,
+                            std::optional<double> high) {
+        return fitting_grid(gap_graded(1.0, 0.1), Material{}, 10.0, GridOptions{0.02, bins, low, high});
+    };
+    for (const Index bins : {Index{-3}, Index{0}, Index{1}, Index{7}}) {
+        CHECK_REFUSED(refused(bins, {}, {}),
+                      ("bins is " + std::to_string(bins) + "; it must be at least 8").c_str());
+    }
+    CHECK_REFUSED(refused({}, 3.0, {}), "psi_min is 3 and psi_max is 0; psi_min must be less than psi_max");
+    CHECK_REFUSED(refused({}, 3.0, 2.0), "psi_min is 3 and psi_max is 2; psi_min must be less than psi_max");
+    CHECK_REFUSED(refused({}, not_a_number, {}), "psi_min is nan; it must be finite");
+    CHECK_REFUSED(refused({}, {}, infinity), "psi_max is inf; it must be finite");
+    CHECK_REFUSED(refused(100, {}, -infinity), "psi_max is -inf; it must be finite");
 }
 
 TEST_CASE("two sizes that hardly differ do not make a state too large for any memory") {

@@ -391,6 +391,35 @@ TEST_CASE("one pass of probability 1 crushes equal sizes whole") {
     CHECK(lattice.settled_at() == 1e6);
 }
 
+TEST_CASE("a fitting grid holds every cell of a lattice and leaves room below for the load to come") {
+    comminute::Material material;
+    material.reference_size = 1.7;
+    LatticeOptions options;
+    options.replicas = 3;
+    for (const auto& grading : {comminute::monodisperse(2.0), comminute::power_law(2.5, 1e-3, 2.0)}) {
+        Lattice lattice(300, material, grading, options);
+        for (const double load : {0.0, 20.0}) {
+            lattice.load_to(load);
+            Numbers psi(300), all;
+            for (Index r = 0; r < 3; ++r) {
+                lattice.psi(r, psi);
+                all.insert(all.end(), psi.begin(), psi.end());
+            }
+            const auto [low, high] = std::minmax_element(all.begin(), all.end());
+            const LogGrid grid = lattice.fitting_grid(100.0);
+            const bool spread = *low < *high;
+            CHECK((spread ? grid.edge(grid.bins()) : grid.psi_max()) ==
+                  doctest::Approx(*high).epsilon(1e-14));
+            CHECK(grid.edge(1) < *low);
+            CHECK(lattice.grainsizes(grid).size() == 3);
+            CHECK(comminute::CrushZones(grid, material, 100.0).distrusted_below() == -infinity);
+            comminute::GridOptions wide;
+            wide.spacing = 0.1;
+            CHECK(lattice.fitting_grid(100.0, wide).bins() < grid.bins());
+        }
+    }
+}
+
 TEST_CASE("messages of the lattice: value, rule, remedy") {
     const Grading one = comminute::monodisperse(1.0);
     CHECK_THROWS_WITH_AS(Lattice(1, Material{}, one),

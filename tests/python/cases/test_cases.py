@@ -156,6 +156,7 @@ MESSAGES = [
     ("= 3.0", "= true", "case.toml [material] weibull_modulus is True; input should be a valid number"),
     ("scale = 1.0", "scale = 0", "case.toml [material]: scale is 0; it must be greater than 0 and finite"),
     ("= 128", "= 7", "case.toml [grid]: bins is 7; it must be at least 8"),
+    ("= 128", "= 0", "case.toml [grid]: bins is 0; it must be at least 8"),
     ("= 128", "= 20000", "case.toml [grid] bins is 20000; input should be less than or equal to 10000"),
     ("bins", "psi_max = -1.0\nbins", "case.toml [grid]: the largest grain, 2, lies above the grid's top edge, "),
     ("bins", "psi_max = -1.0\nbins", "or leave the grid out to have it sized from the grading"),

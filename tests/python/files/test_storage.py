@@ -1,10 +1,14 @@
 """Results in files: nothing lost, nothing silently wrong, and runs that go on or repeat bit for bit."""
 
 import contextlib
+import hashlib
+import json
 import pickle
 import signal
 import threading
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,6 +25,7 @@ MATERIAL = cm.Material(
 )
 SAND = cm.Grading.from_sieves([2.0, 1.0, 0.5, 0.2], [100, 60, 20, 3], unit="mm")
 GRID = cm.LogGrid(-7.0, 0.7, 112)
+GOLDEN = Path(__file__).parents[2] / "golden"
 STARTS = {
     "sieves": SAND,
     "gap-graded": cm.gap_graded(2.0, 0.2),
@@ -76,10 +81,9 @@ def test_a_file_from_before_lattices_had_errors_is_read(tmp_path: Path) -> None:
     h5py = pytest.importorskip("h5py")
     result = simulation("sieves").run(stress=[1.2, 12.0])
     path = result.save(tmp_path / "run.nc")
-    path.write_bytes(path.read_bytes()[: -storage.SEAL_SIZE])
     with h5py.File(path, "r+") as file:
         del file.attrs["lattice"]
-    storage._seal(path)
+        del file.attrs[storage.FINGERPRINTS]
     assert cm.open_result(path) == result
 
 
@@ -146,7 +150,7 @@ def test_damage_is_found(tmp_path: Path) -> None:
     whole = path.read_bytes()
     h5py = pytest.importorskip("h5py")
     with h5py.File(path, "r+") as file:
-        file["crushes"][0] = 0.5
+        file["pmf"][0, 0] = 0.5
     with pytest.raises(
         cm.ParameterError, match=r"run\.nc is no result as comminute wrote it: it is damaged, cut short"
     ):
@@ -162,6 +166,87 @@ def test_damage_is_found(tmp_path: Path) -> None:
         cm.open_result(path)
     with pytest.raises(cm.ParameterError, match=r"none\.nc does not exist"):
         cm.open_result(tmp_path / "none.nc")
+
+
+def edited(path: Path, edit: Callable[[Any], object]) -> Path:
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(path, "r+") as file:
+        edit(file)
+    return path
+
+
+ATTRIBUTE_EDITS: dict[str, Callable[[Any], object]] = {
+    "attribute history added": lambda file: file.attrs.update({"history": "ncatted -a institution,global,c,c,ETH"}),
+    "attribute title changed": lambda file: file.attrs.update({"title": "sand of the second pit"}),
+    "attribute references removed": lambda file: file.attrs.pop("references"),
+    "attribute pmf:units changed": lambda file: file["pmf"].attrs.update({"units": "per cent"}),
+    "attribute pmf:comment added": lambda file: file["pmf"].attrs.update({"comment": "checked"}),
+}
+
+
+@pytest.mark.parametrize("words", ATTRIBUTE_EDITS)
+def test_a_file_with_edited_attributes_opens_with_a_warning_that_names_them(words: str, tmp_path: Path) -> None:
+    result = simulation("gap-graded").run(stress=[1.2, 12.0])
+    path = edited(result.save(tmp_path / "run.nc"), ATTRIBUTE_EDITS[words])
+    with pytest.warns(cm.EditedFileWarning, match=rf"^run\.nc was changed after it was written: {words}; it is read"):
+        assert cm.open_result(path) == result
+    again = cm.open_result(result.save(path))  # written anew it is as it was
+    assert again == result
+
+
+def test_a_file_with_an_edited_array_opens_with_a_warning_that_names_it(tmp_path: Path) -> None:
+    result = simulation("sieves").run(stress_ratio=[1.0, 8.0])
+
+    def edit(file: Any) -> None:
+        file["crushes"][0] = 0.5
+        file.attrs["engine"] = "by hand"
+        file["thoughts"] = np.array([1.0, 2.0])
+
+    path = edited(result.save(tmp_path / "run.nc"), edit)
+    with pytest.warns(cm.EditedFileWarning) as told:
+        found = cm.open_result(path)
+    assert str(told[0].message).startswith(
+        "run.nc was changed after it was written: array crushes changed, attribute engine changed, array thoughts added"
+    )
+    assert told[0].filename == __file__
+    assert found.crushes.tolist() == [0.5, result.crushes[1]]
+    assert found.engine == "by hand"
+    np.testing.assert_array_equal(found.pmf, result.pmf)
+
+
+INCONSISTENT: dict[str, Callable[[Any], object]] = {
+    "cdf": lambda file: file["cdf"].write_direct(np.zeros(file["cdf"].shape)),
+    "grid": lambda file: file.attrs.update({"grid": file.attrs["grid"].replace("-7.0", "-6.0")}),
+    "mass": lambda file: file["mass_error"].write_direct(np.array([0.1, 0.0])),
+    "not a number": lambda file: file["pmf"].write_direct(np.full(file["pmf"].shape, np.nan)),
+    "material": lambda file: file.attrs.update({"material": "{"}),
+    "missing array": lambda file: file.pop("crushes"),
+    "missing attribute": lambda file: file.attrs.pop("grid"),
+    "hash": lambda file: file.attrs.update({storage.FINGERPRINTS: "?"}),
+}
+
+
+@pytest.mark.parametrize("edit", INCONSISTENT.values(), ids=INCONSISTENT)
+def test_a_file_whose_parts_no_longer_agree_is_refused(edit: Callable[[Any], object], tmp_path: Path) -> None:
+    path = edited(simulation("sieves").run(stress_ratio=[1.0, 8.0]).save(tmp_path / "run.nc"), edit)
+    with pytest.raises(cm.ParameterError, match=r"run\.nc is no result as comminute wrote it: it is damaged"):
+        cm.open_result(path)
+
+
+def test_the_hash_is_what_its_description_says(tmp_path: Path) -> None:
+    result = simulation("sieves").run(stress_ratio=[1.0, 8.0])
+    path = result.save(tmp_path / "run.nc")
+    record = json.loads(xr.load_dataset(path).attrs[storage.FINGERPRINTS])
+    content = f"<f8 {result.pmf.shape} ".encode() + result.pmf.astype("<f8").tobytes()
+    assert record["array pmf"] == hashlib.sha256(content).hexdigest()[:16]
+    assert record["attribute engine"] == hashlib.sha256(result.engine.encode()).hexdigest()[:16]
+    whole = path.read_bytes()
+    assert result.save(path).read_bytes() == whole
+
+
+def test_files_from_before_there_was_a_hash_open_without_a_warning() -> None:
+    for name in ("sand.nc", "lattice.nc"):
+        assert cm.open_result(GOLDEN / name).warnings == ()
 
 
 def test_control_c_is_heard_when_the_file_is_whole(tmp_path: Path) -> None:
@@ -189,7 +274,7 @@ def test_a_write_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pyt
     def fail(*_: object, **__: object) -> None:
         raise OSError("disk full")
 
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", fail)
+    monkeypatch.setattr(xr.Dataset, "dump_to_store", fail)
     with pytest.raises(OSError, match="disk full"):
         result.save(path)
     assert path.read_bytes() == before

@@ -1,5 +1,6 @@
 """Sieve tables in every form that a laboratory writes them, and what is said of those that cannot be read."""
 
+import datetime
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 
 import comminute as cm
+from comminute.gradings.spreadsheets import spreadsheet_rows
 
 SIZE = [2.0, 1.6, 1.0, 0.5, 0.16, 0.08]
 FINER = [100, 93, 67, 33, 13, 1]
@@ -134,22 +136,67 @@ def test_numbers_of_grains_become_mass_and_back(tmp_path: Path) -> None:
     assert pair.finer(1.5) == pytest.approx(1 / 9, rel=1e-5)
 
 
+def workbook(path: Path, rows: Sequence[Sequence[object]], *others: Sequence[Sequence[object]]) -> Path:
+    """Write a workbook of one sheet for each table."""
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for table in (rows, *others):
+        sheet = book.create_sheet()
+        for row in table:
+            sheet.append(row)
+    book.save(path)
+    return path
+
+
 def test_a_spreadsheet(tmp_path: Path) -> None:
-    pd = pytest.importorskip("pandas")
-    pytest.importorskip("openpyxl")
     path = tmp_path / "sand.xlsx"
-    table = pd.DataFrame(
-        {"size_mm": [*SIZE, "pan"], "percent_retained": [*RETAINED, 1], "remarks": ["dry"] + 6 * [None]}
-    )
-    table.to_excel(path, index=False)
+    table: list[list[object]] = [["size_mm", "percent_retained", "remarks"]]
+    table += [list(row) for row in zip([*SIZE, "pan"], [*RETAINED, 1], ["dry", *6 * [None]], strict=True)]
+    workbook(path, table)
     np.testing.assert_allclose(cm.Grading.read(path).finer(SIZE), np.divide(FINER, 100), rtol=1e-13)
-    table["percent_retained"] = [*RETAINED[:2], "many", *RETAINED[3:], 1]
-    table.to_excel(path, index=False)
+    table[3][1] = "many"
+    workbook(path, table)
     with pytest.raises(cm.ParameterError, match=r"sand.xlsx row 4, column percent_retained: the value is 'many'"):
         cm.Grading.read(path)
     path.write_bytes(b"PK not a workbook")
     with pytest.raises(cm.ParameterError, match=r"sand\.xlsx is no readable spreadsheet"):
         cm.Grading.read(path)
+
+
+def test_cells_of_every_kind_are_text_with_their_rows(tmp_path: Path) -> None:
+    date = datetime.datetime(2024, 5, 17)
+    rows: list[list[object]] = [
+        ["# a comment", 1.0],
+        [],
+        [" size_mm ", "percent_finer", "remarks", None, ""],
+        [2.0, 100, date, None],
+        [None, None],
+        [0.1, 1e-7, True, None, "  "],
+        [1e20, 12.5, "=1+1"],
+        ["2.0", "#N/A", "nan", "", "#"],
+        [None, 0.0],
+        [],
+    ]
+    path = workbook(tmp_path / "sand.xlsx", rows, [["size_mm", "percent_finer"], [1, 100]])
+    assert [(row.number, row.cells) for row in spreadsheet_rows(path)] == [
+        (3, ("size_mm", "percent_finer", "remarks", "", "")),
+        (4, ("2", "100", "2024-05-17 00:00:00", "", "")),
+        (6, ("0.1", "1e-07", "True", "", "")),
+        (7, ("100000000000000000000", "12.5", "", "", "")),  # a formula that no program has computed yet
+        (8, ("2.0", "", "nan", "", "#")),
+        (9, ("", "0", "", "", "")),
+    ]
+    assert spreadsheet_rows(workbook(path, [[], [None]])) == []
+
+
+def test_spreadsheets_that_are_none(tmp_path: Path) -> None:
+    path = workbook(tmp_path / "sand.xlsx", [["size_mm", "percent_finer"], [1, 100]])
+    for name in ("sand.xls", "sand.ods"):
+        path.rename(tmp_path / name)
+        path = tmp_path / name
+        with pytest.raises(cm.ParameterError, match=rf"{name} is no \.xlsx spreadsheet; save the table as \.xlsx or"):
+            cm.Grading.read(path)
 
 
 MESSAGES = {
