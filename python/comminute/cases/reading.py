@@ -15,9 +15,9 @@ from pydantic import ValidationError
 from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, fitting_grid
 from comminute.cases.messages import explained
 from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, MaterialTable, Sieves
-from comminute.gradings.reading import SieveData, read_sieves
+from comminute.cases.load_files import read_loads
+from comminute.gradings.reading import Reading, SieveData, read_sieves
 from comminute.gradings.sieves import unit_of
-from comminute.gradings.tables import read_table
 from comminute.runs.load_path import load_path
 from comminute.runs.recipe import law_of
 from comminute.simulation import Simulation
@@ -210,13 +210,14 @@ def _grading(case: Case, path: Path) -> tuple[Case, Grading]:
     if isinstance(table, GradingFile):
         if not unit_of(unit):
             raise ParameterError(f"{path.name} [units] size is '{unit}'; it must be one of nm, um, mm, cm, m, in")
-        data = read_sieves(path.parent / table.file, unit=unit)
+        how = Reading(table.sheet, table.sample, table.mesh, table.total_mass_g, table.edges)
+        data = read_sieves(path.parent / table.file, unit=unit, number=table.number, how=how)
         table = Sieves(
             kind="sieves",
             size=list(data.size),
             percent_finer=list(data.percent_finer),
             top=table.top,
-            number=table.number,
+            number=table.number or data.number,
             places=list(data.places),
             notes=list(data.notes),
             file=table.file,
@@ -245,7 +246,7 @@ def _loads(case: Case, path: Path) -> Case:
     key = given[0]
     values = getattr(load, key)
     if key == "file":
-        key, values = _load_file(path.parent / load.file) if load.file is not None else ("", [])
+        key, values = read_loads(path.parent / str(load.file), case.units.stress)
     elif isinstance(values, LoadRange):
         values = _in_range(values, f"{path.name} [load] {key}")
     elif isinstance(values, float | int):
@@ -263,14 +264,3 @@ def _in_range(loads: LoadRange, where: str) -> list[float]:
             raise ParameterError(f'{where}: from or to is 0; spacing "log" needs both greater than 0')
         return list(np.geomspace(loads.first, loads.last, loads.steps).tolist())
     return list(np.linspace(loads.first, loads.last, loads.steps).tolist())
-
-
-def _load_file(path: Path) -> tuple[str, list[float]]:
-    table = read_table(path)
-    columns = {name: index for index, name in table.columns() if name in ("stress", "stress_ratio")}
-    if len(columns) != 1 or len(table.header.cells) != 1:
-        raise ParameterError(f"{table.name} row {table.header.number}: give one column, named stress or stress_ratio")
-    ((name, index),) = columns.items()
-    if not table.rows:
-        raise ParameterError(f"{table.name} has a header but no loads")
-    return name, [table.number(row, index) for row in table.rows]

@@ -11,7 +11,7 @@ from comminute.gradings.headers import meaning_of
 from comminute.gradings.layout import is_blank
 from comminute.gradings.numerals import digits_of
 from comminute.gradings.openings import row_meaning
-from comminute.gradings.tables import shorten
+from comminute.util.names import shorten
 from comminute.gradings.words import plain
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from comminute._core import ParameterError
 from comminute.gradings.headers import SIZES, VALUES, Meaning, meaning_of, near_word, unit_in, units_of
 from comminute.gradings.openings import Style, read_size, row_meaning
 from comminute.gradings.sheets import Cell, Line, Sheet, require_size, text_sheets
-from comminute.gradings.tables import shorten
+from comminute.util.names import shorten
 from comminute.gradings.words import NO_UNITS, plain
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from comminute._core import ParameterError
 from comminute.gradings.headers import unit_in
 from comminute.gradings.numerals import digits_of
-from comminute.gradings.tables import shorten
+from comminute.util.names import shorten
 from comminute.gradings.words import GRAMS, plain
 
 if TYPE_CHECKING:
@@ -47,8 +47,10 @@ def value_of(column: Column, line: Line, mark: str) -> float:
         value = digits_of(text, mark)
     if value is None:
         what = "is empty" if not cell.text else f"is '{shorten(cell.text)}'"
-        date = " (a decimal comma needs semicolons or tabs between columns)" if "," in cell.text and mark == "." else ""
-        raise ParameterError(f"{where}: the value {what}; it must be a number{date}")
+        more = " (a decimal comma needs semicolons or tabs between columns)" if "," in cell.text and mark == "." else ""
+        if cell.text.startswith("="):
+            more = "; it is a formula without its value: save the file in a spreadsheet program"
+        raise ParameterError(f"{where}: the value {what}; it must be a number{more}")
     if unit and (unit in GRAMS) != mass and not (unit == "%" and not mass):
         raise ParameterError(f"{where}: the value is '{shorten(cell.text)}'; its unit is not that of the column")
     if mass:

@@ -11,7 +11,7 @@ from comminute._core import ParameterError
 from comminute.gradings.headers import unit_in
 from comminute.gradings.numerals import digits_of
 from comminute.gradings.sieves import convert, designated
-from comminute.gradings.tables import shorten
+from comminute.util.names import shorten
 from comminute.gradings.words import LENGTHS, folded, meanings_of, plain
 
 AGREE = 0.03  # relative difference of openings up to which a designation and an opening name one sieve

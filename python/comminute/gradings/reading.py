@@ -1,31 +1,83 @@
-"""Sieve tables from files: the meaning of their columns, and per cent finer from a laboratory's numbers."""
+"""Sieve tables from files: from the cells of a file to sieves and per cent finer, with notes of what was assumed."""
 
 from __future__ import annotations
 
-import difflib
-import math
 import os
-import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 from comminute._core import Grading, ParameterError
-from comminute.gradings.rows import Row
-from comminute.gradings.sieves import convert, sieve_size, unit_of
-from comminute.gradings.tables import Table, read_table
+from comminute.gradings import values as quantities
+from comminute.gradings.agreement import require_agreement
+from comminute.gradings.body import Body, chosen_sample, sorted_body
+from comminute.gradings.headers import Meaning, meaning_of, near_word
+from comminute.gradings.layout import Column, Layout, open_layout
+from comminute.gradings.numerals import Numeral, decimal_mark
+from comminute.gradings.openings import numerals_in, row_meaning
+from comminute.gradings.numbers import numeral_in, value_of
+from comminute.gradings.sheets import Line
+from comminute.gradings.sieves import require_mesh, unit_of
+from comminute.gradings.sizing import Sized, sized
+from comminute.util.names import is_file, shorten
 
 Top = Literal["error", "extend"]
-VALUES = ("percent_finer", "percent_retained", "percent_cumulative_retained", "mass_retained_g")
-ALIASES = {"percent_passing": "percent_finer", "percent_coarser": "percent_cumulative_retained"}
-SIZES = ("size_mm", "size_um", "size_cm", "size_m", "size_in", "phi", "sieve")
-SIZE_WORDS = "sieve|sieve_size|sieve_opening|opening|aperture|diameter|grainsize|grain_size"  # followed by a unit
-ROUNDED = 0.5  # [per cent] largest distance of the sum of rounded shares from 100
+EDGES = ("lower", "upper")
+PRIORITY = ("mass_retained_g", "count", "mass_cumulative_retained", "mass_finer", "percent_finer")
+PRIORITY += ("percent_cumulative_retained", "percent_retained", "retained", "cumulative", "mass_cumulative", "share")
+LARGEST_MM = 1000.0  # an opening beyond this is a thousands mark read as a decimal mark
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How a table is to be read, where the table itself leaves a choice; each is refused where it does not apply.
+
+    Attributes
+    ----------
+    sheet : str or int, optional
+        Sheet of a workbook, by name or by its number from 1.
+    sample : str, optional
+        Sample of a table of several.
+    mesh : {"astm", "tyler"}, optional
+        Series of sieve numbers.
+    total_mass_g : float, optional
+        Dry mass before washing.
+    edges : {"lower", "upper"}, optional
+        Edge of a class that its size is.
+    """
+
+    sheet: str | int | None = None
+    sample: str | None = None
+    mesh: str | None = None
+    total_mass_g: float | None = None
+    edges: str | None = None
+
+    def require_valid(self) -> None:
+        """Raise ParameterError for a value that no table could take."""
+        if self.mesh is not None:
+            require_mesh(self.mesh)
+        if self.edges is not None and self.edges not in EDGES:
+            raise ParameterError(f"edges is '{self.edges}'; it must be one of 'lower', 'upper'")
+        if self.total_mass_g is not None and not 0.0 < self.total_mass_g < float("inf"):
+            raise ParameterError(f"total_mass_g is {self.total_mass_g:.4g}; it must be greater than 0 and finite")
 
 
 @dataclass(frozen=True)
 class SieveData:
-    """Content of a sieve table: its sieves in their order, per cent finer, and the assumptions made in reading it."""
+    """Sieves of a file from coarse to fine, per cent finer, and what was assumed in reading it.
+
+    Attributes
+    ----------
+    size, percent_finer : tuple of float
+    unit : str
+    places : tuple of str
+        Row of each sieve, for messages.
+    notes : tuple of str
+    name : str
+        Name of the file.
+    number : bool
+        Whether the shares count grains, as the file says.
+    """
 
     size: tuple[float, ...]
     percent_finer: tuple[float, ...]
@@ -33,8 +85,9 @@ class SieveData:
     places: tuple[str, ...]
     notes: tuple[str, ...]
     name: str
+    number: bool = False
 
-    def grading(self, *, top: Top, number: bool) -> Grading:
+    def grading(self, *, top: Top = "error", number: bool = False) -> Grading:
         """Grading of these sieves; errors name the file and its rows."""
         try:
             return Grading.from_sieves(
@@ -42,7 +95,7 @@ class SieveData:
                 self.percent_finer,
                 self.unit,
                 top=top,
-                number=number,
+                number=number or self.number,
                 places=self.places,
                 notes=self.notes,
                 if_retained="name the column percent_retained.",
@@ -52,164 +105,266 @@ class SieveData:
             raise ParameterError(message if message.startswith(self.name) else f"{self.name}: {message}") from None
 
 
-def read_grading(path: str | os.PathLike[str], *, unit: str | None, top: Top, number: bool) -> Grading:
+def read_grading(  # noqa: PLR0913  (the options of Grading.read)
+    path: str | os.PathLike[str],
+    *,
+    unit: str | None = None,
+    top: Top = "error",
+    number: bool = False,
+    sheet: str | int | None = None,
+    sample: str | None = None,
+    mesh: str | None = None,
+    total_mass_g: float | None = None,
+    edges: str | None = None,
+) -> Grading:
     """Grading from a sieve table; see `Grading.read`."""
-    return read_sieves(path, unit=unit).grading(top=top, number=number)
+    how = Reading(sheet, sample, mesh, total_mass_g, edges)
+    return read_sieves(path, unit=unit, number=number, how=how).grading(top=top, number=number)
 
 
-def read_sieves(path: str | os.PathLike[str], *, unit: str | None = None) -> SieveData:
-    """Sieves and per cent finer from a file; see `Grading.read`."""
-    table = read_table(Path(path))
-    size_column, size_name, file_unit, value_column, value_name, unused = _columns(table)
-    to = file_unit if unit is None else unit_of(unit)
-    if not to:
+def read_sieves(
+    path: str | os.PathLike[str], *, unit: str | None = None, number: bool = False, how: Reading = Reading()
+) -> SieveData:
+    """Sieves and per cent finer from a file; see `Grading.read`.
+
+    Parameters
+    ----------
+    path : path-like
+    unit : str, optional
+        Unit of the sizes wanted; left out: that of the file.
+    number : bool
+        Whether the caller takes the shares for counts, which masses cannot be.
+    how : Reading
+        What the table leaves open.
+
+    Returns
+    -------
+    SieveData
+
+    Raises
+    ------
+    ParameterError
+        Naming file, row, column and value, the rule, and what to do.
+    ImportError
+        For .xlsx where openpyxl is missing.
+    """
+    file = Path(path)
+    how.require_valid()
+    if unit is not None and not unit_of(unit):
         raise ParameterError(f"unit is '{unit}'; it must be one of nm, um, mm, cm, m, in")
-    sizes, values, rows, pan = [], [], [], None
-    for row in table.rows:
-        if row.cells[size_column].strip().lower() == "pan":
-            if pan is not None:
-                raise ParameterError(f"{table.place(row)}: a second pan; a table has one")
-            pan = row
-            continue
-        sizes.append(convert(_size(table, row, size_column, size_name), file_unit, to))
-        values.append(_value(table, row, value_column, value_name))
-        rows.append(row)
-    if not rows:
-        raise ParameterError(f"{table.name} has a header but no sieves; it needs at least two")
-    notes = [f"column '{name}' of {table.name} is not used" for name in unused]
-    if size_name in ("phi", "sieve"):
-        what = "phi" if size_name == "phi" else "sieve designations"
-        notes.append(f"{what} of {table.name} read as openings in {to}")
-    elif to != file_unit:
-        notes.append(f"sizes of {table.name} converted from {file_unit} to {to}")
-    in_pan = None if pan is None else _value(table, pan, value_column, value_name)
-    if value_name == "percent_finer":
-        if in_pan:
+    if not is_file(file):
+        raise ParameterError(f"{shorten(str(file), 200)} is no file; give a sieve table (.csv or .xlsx)")
+    layout = chosen_sample(open_layout(file, how.sheet), how.sample)
+    sizes, values = _columns(layout)
+    finer = all(column.meaning.name in ("percent_finer", "mass_finer") for column in values)
+    body = sorted_body(layout, sizes, values, finer=finer)
+    if not body.sieves:
+        raise ParameterError(f"{layout.name} has a header but no sieves; it needs at least two")
+    mark = _mark(layout, body, sizes, values)
+    to = unit_of(unit) if unit is not None else None
+    rows = sized(layout, sizes, body.sieves, unit=to, mark=mark, mesh=how.mesh, finer=finer)
+    return _curve(layout, body, rows, values, mark, number=number, how=how)
+
+
+def _columns(layout: Layout) -> tuple[list[Column], list[Column]]:
+    """Size columns, and value columns with that to read first."""
+    sizes, values = layout.of_kind("size"), layout.of_kind("value")
+    for column in (*values, *layout.of_kind("unknown")):
+        near = near_word(column.header) if column.meaning.name in ("", "share") and column.header else ""
+        if near and (column.meaning.rest and column.meaning.name == "share" or not values):
             raise ParameterError(
-                f"{table.place(pan or rows[0])}: {in_pan:g} % finer than the pan, which holds all: leave it out"
+                f"{layout.header.place}: the header names no value column; it must name one of percent_finer, "
+                "percent_retained, percent_cumulative_retained, mass_retained_g; "
+                f"did you mean {near} by '{column.header}'?"
             )
-        finer = values
-    elif value_name == "percent_cumulative_retained":
-        finer = _from_cumulative(table, values, in_pan, notes)
-    else:
-        finer = _from_retained(table, value_name, sizes, values, in_pan, notes)
-    places = tuple(table.place(row) for row in rows)
-    return SieveData(tuple(sizes), tuple(finer), to, places, tuple(notes), table.name)
-
-
-def _columns(table: Table) -> tuple[int, str, str, int, str, list[str]]:
-    """Index and name of the size column, unit of the sizes, index and name of the value column, and unused columns."""
-    found_sizes, found_values, unused = [], [], []
-    for index, raw in table.columns():
-        name = _usual(raw)
-        unit = unit_of(name.removeprefix("size_")) if name.startswith("size_") else ""
-        if unit or name in ("phi", "sieve"):
-            found_sizes.append((index, name, unit or "mm"))
-        elif name in VALUES:
-            found_values.append((index, name))
-        else:
-            unused.append(table.header.cells[index].strip())
-    where = f"{table.name} row {table.header.number}"
-    if len(found_sizes) != 1:
-        raise ParameterError(where + _wrong_header("size", [name for _, name, _ in found_sizes], SIZES, unused))
-    if len(found_values) != 1:
-        raise ParameterError(where + _wrong_header("value", [name for _, name in found_values], VALUES, unused))
-    return (*found_sizes[0], *found_values[0], unused)
-
-
-def _usual(name: str) -> str:
-    """Bring "% passing", "Passing (%)" and "sieve opening (mm)" to the names that this module knows."""
-    words = [word for word in re.split(r"[_()\[\]]+", name.replace("%", "_percent_")) if word]
-    if "percent" in words:
-        words = ["percent", *(word for word in words if word != "percent")]
-    plain = "_".join(words)
-    plain = re.sub(rf"^({SIZE_WORDS})_(?=[^_]+$)", "size_", plain)
-    return ALIASES.get(plain, plain)
-
-
-def _wrong_header(kind: str, found: list[str], known: tuple[str, ...], unused: list[str]) -> str:
-    """Say what a header lacks or has too much of, with the nearest name that would do."""
-    if found:
-        return f": {' and '.join(found)} are both named; leave one {kind} column"
-    if kind == "size" and "size" in (name.lower() for name in unused):
-        return ": the size column has no unit; name it size_mm or size_um"
-    near = [(name, difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.5)) for name in unused]
-    meant = next((f"; did you mean {match[0]} by '{name}'?" for name, match in near if match), "")
-    return f": the header names no {kind} column; it must name one of {', '.join(known)}{meant}"
-
-
-def _size(table: Table, row: Row, column: int, name: str) -> float:
-    """One sieve opening, in the unit of its column (mm for phi and designations)."""
-    if name == "sieve":
-        try:
-            return sieve_size(row.cells[column])
-        except ParameterError as error:
-            raise ParameterError(f"{table.place(row)}, column sieve: {error}") from None
-    number = table.number(row, column)
-    size = 2.0**-number if name == "phi" and abs(number) < 1000.0 else number
-    if not (size > 0.0 and math.isfinite(size)) or (name == "phi" and abs(number) >= 1000.0):
-        rule = "phi must be between -1000 and 1000" if name == "phi" else "a size must be greater than 0"
-        raise ParameterError(f"{table.place(row)}, column {name}: the value is {number:g}; {rule}")
-    return size
-
-
-def _value(table: Table, row: Row, column: int, name: str) -> float:
-    value = table.number(row, column)
-    if value < 0.0 or (value > 100.0 and name != "mass_retained_g"):
-        rule = "at least 0" if name == "mass_retained_g" else "between 0 and 100"
-        raise ParameterError(f"{table.place(row)}, column {name}: the value is {value:g}; it must be {rule}")
-    return value
-
-
-def _from_cumulative(table: Table, values: list[float], in_pan: float | None, notes: list[str]) -> list[float]:
-    whole = 100.0
-    largest = max(values) if in_pan is None else in_pan
-    if largest == 1.0:
-        whole = 1.0
-        notes.append("the values end at 1: read as fractions, not per cent")
-    elif largest < 1.0:
-        raise ParameterError(f"{table.name}: the largest percent_cumulative_retained is {largest:g}; give per cent")
-    if in_pan is not None and in_pan != whole:
-        raise ParameterError(f"{table.name}: {in_pan:g} % is retained down to the pan, which must hold all: 100 %")
-    return [100.0 * ((whole - value) / whole) for value in values]
-
-
-def _from_retained(
-    table: Table, name: str, sizes: list[float], values: list[float], in_pan: float | None, notes: list[str]
-) -> list[float]:
-    """Per cent finer on each sieve, from the mass or share retained on each and in the pan."""
-    total = math.fsum(values) + (in_pan or 0.0)
-    if not total > 0.0:
-        raise ParameterError(f"{table.name}: column {name} adds up to 0; some mass must be on the sieves")
-    whole = total
-    if name == "mass_retained_g":
-        if in_pan is None:
-            notes.append(f"{table.name} has no pan row: nothing taken as finer than the finest sieve")
-    elif total <= 1.0 + ROUNDED / 100.0:
-        if in_pan is None or abs(total - 1.0) > ROUNDED / 100.0:
-            raise ParameterError(f"{table.name}: percent_retained adds up to {total:.6g}; give per cent, not fractions")
-        notes.append("the values add up to 1: read as fractions, not per cent")
-    elif total > 100.0 + ROUNDED or (in_pan is not None and total < 100.0 - ROUNDED):
-        cumulative = " Cumulative values? name the column percent_cumulative_retained." if total > 100.0 else ""
-        raise ParameterError(f"{table.name}: percent_retained adds up to {total:.6g} %, not 100 %.{cumulative}")
-    elif in_pan is None and total < 100.0:
-        whole = 100.0
-        notes.append(
-            f"{table.name} has no pan row: the missing {100.0 - total:.4g} % taken as finer than the finest sieve"
+    bare = [column for column in sizes if column.meaning.name == "opening" and not column.meaning.unit]
+    for column in bare:
+        if len(sizes) == 1 and all(_is_bare(column.cell(line).text) for line in layout.body if column.cell(line).numeric):
+            if any(column.cell(line).numeric for line in layout.body):
+                raise ParameterError(f"{layout.header.place}: the size column has no unit; name it size_mm or size_um")
+    if not values:
+        values = [replace(c, meaning=_open_meaning(layout, c)) for c in layout.of_kind("unknown") if _has_numbers(layout, c)]
+        values = values[:1]
+    if not values:
+        raise ParameterError(
+            f"{layout.header.place}: the header names no value column; it must name one of percent_finer, "
+            "percent_retained, percent_cumulative_retained, mass_retained_g"
         )
-    if name == "percent_retained" and abs(whole - 100.0) > 1e-9 and whole > 2.0:
-        notes.append(f"percent_retained of {table.name} adds up to {total:.6g} %: scaled to 100 %")
-    # from the fine end, so that what passes the finest sieve is exactly what is in the pan
-    rest = in_pan if in_pan is not None else max(whole - total, 0.0)
-    order = sorted(range(len(sizes)), key=lambda q: sizes[q])
-    finer = [0.0] * len(sizes)
-    passed: list[float] = []
-    for q in order:
-        finer[q] = 100.0 * min(math.fsum([rest, *passed]) / whole, 1.0)
-        passed.append(values[q])
-    # a sieve is passed by all where nothing stays on it or above, whatever the rounding
-    for q in reversed(order):
-        if values[q] != 0.0:
-            break
-        finer[q] = 100.0
-    return finer
+    return sizes, sorted(values, key=lambda column: PRIORITY.index(column.meaning.name))
+
+
+def _is_bare(text: str) -> bool:
+    return all(c in "0123456789.,' " for c in text.strip())
+
+
+def _has_numbers(layout: Layout, column: Column) -> bool:
+    return bool(column.header) and any(column.cell(line).numeric for line in layout.body)
+
+
+def _open_meaning(layout: Layout, column: Column) -> Meaning:
+    """Quantity of a column whose header names a sample: that of the title above the table, or left to its numbers."""
+    found = {}
+    for line in layout.above:
+        for cell in line.filled:
+            meaning = meaning_of(cell.text)
+            if meaning.kind == "value" and meaning.name != "share":
+                found[meaning.name] = meaning
+    if len(found) == 1:
+        return replace(next(iter(found.values())), rest=column.header)
+    return Meaning("value", "share", rest=column.header)
+
+
+def _mark(layout: Layout, body: Body, sizes: list[Column], values: list[Column]) -> str:
+    """Decimal mark of the file, from the numbers of all its size and value columns."""
+    numerals = []
+    for line in (*body.sieves, *body.pan, *body.total, *body.initial, *body.loss, *body.washed):
+        for column in sizes:
+            cell = column.cell(line)
+            if cell.number is None and line in body.sieves:
+                per_mm = {"um": 1e3, "nm": 1e6, "m": 1e-3, "cm": 0.1, "in": 1.0 / 25.4}.get(column.meaning.unit, 1.0)
+                most = LARGEST_MM * per_mm
+                numerals += [Numeral(text, line.place, most) for text in numerals_in(cell.text)]
+        for column in layout.of_kind("value") or values:
+            text = numeral_in(column.cell(line))
+            most = 100.5 if column.meaning.name.startswith(("percent", "share", "cumulative")) else float("inf")
+            if text:
+                numerals.append(Numeral(text, line.place, most))
+    return decimal_mark(layout.name, numerals, comma_separated=layout.comma_separated)
+
+
+def _curve(  # noqa: PLR0913
+    layout: Layout, body: Body, rows: Sized, values: list[Column], mark: str, *, number: bool, how: Reading
+) -> SieveData:
+    """Per cent finer of a table, by the first of its value columns that is whole; the others must agree."""
+    made: list[tuple[Column, quantities.Column, list[float], list[str]]] = []
+    for column in values:
+        notes: list[str] = []
+        try:
+            numbers = quantities.resolved(_numbers(layout, body, rows, column, mark, how), notes)
+            made.append((column, numbers, quantities.per_cent_finer(numbers, notes), notes))
+        except ParameterError as error:
+            if len(values) == 1:
+                raise
+            failed = error
+            whole = all(column.cell(line).text for line in body.sieves)
+            if whole:
+                raise
+            layout = replace(layout, notes=(*layout.notes, f"column '{column.header}' of {layout.name} is not used"))
+    if not made:
+        raise failed
+    made.sort(key=lambda one: one[1].name in quantities.RETAINED and one[1].pan is None and one[1].whole is None)
+    read, numbers, finer, notes = made[0]
+    for column, others, curve, _ in made[1:]:
+        if others.name in ("mass_retained_g", "count") and others.pan is None and others.whole is None:
+            share = quantities.as_per_cent(finer)[-1] / 100.0
+            rest = share / (1.0 - share) * sum(others.value) if share < 1.0 else 0.0
+            curve = quantities.per_cent_finer(replace(others, pan=rest), [])
+        curves = (quantities.as_per_cent(finer), quantities.as_per_cent(curve))
+        require_agreement(read, column, curves, rows.line, mark)
+        notes.append(f"column '{column.header}' of {layout.name} agrees with '{read.header}', which is read")
+    if number and numbers.name.startswith("mass"):
+        raise ParameterError(
+            f"{layout.name}: column '{read.header}' holds masses, which count no grains; leave number out, or name the "
+            "column count"
+        )
+    _require_applied(layout, numbers, rows, how)
+    _require_rising(layout, numbers, rows, finer)
+    unused = [column for column in layout.of_kind("unknown") if column.header and column.header != read.header]
+    unused += layout.of_kind("unused")
+    said = [f"column '{column.header}' of {layout.name} is not used" for column in unused if column not in values]
+    places = tuple(line.place if line else f"{layout.name}, top of the coarsest class" for line in rows.line)
+    all_notes = (*layout.notes, *said, *rows.notes, *notes, *body.notes)
+    by_number = read.meaning.number or numbers.name == "count"
+    return SieveData(tuple(rows.size), tuple(finer), rows.unit, places, all_notes, layout.name, by_number)
+
+
+def _numbers(
+    layout: Layout, body: Body, rows: Sized, column: Column, mark: str, how: Reading
+) -> quantities.Column:
+    """Numbers of one column on the sieves, with what its pan, its total and its losses say."""
+    name = column.meaning.name
+    adds_up = name in quantities.RETAINED or name in ("share",)
+    value = tuple(0.0 if line is None else value_of(column, line, mark) for line in rows.line)
+    if name in ("percent_finer", "cumulative", "share") and rows.line.count(None):
+        raise ParameterError(
+            f"{layout.name}: column '{column.header}' gives one value for each class between two sieves; name the sieve "
+            "that it is finer than"
+        )
+    pan_lines = [*body.pan, *([rows.pan] if rows.pan else [])]
+    if len(pan_lines) > 1:
+        raise ParameterError(f"{pan_lines[1].place}: a second pan; a table has one")
+    pan = next((value_of(column, line, mark) for line in pan_lines if column.cell(line).text or len(layout.of_kind("value")) < 2), None)
+    washed = [value_of(column, line, mark) for line in body.washed if column.cell(line).text]
+    if washed and adds_up:
+        pan = (pan or 0.0) + sum(washed)
+    upper = (how.edges or rows.edge) == "upper" and name in quantities.RETAINED and not rows.classes
+    if upper and pan:
+        raise ParameterError(f"{pan_lines[0].place}: a pan stands below the finest class, whose size is its upper edge")
+    loss = sum(value_of(column, line, mark) for line in body.loss if column.cell(line).numeric)
+    whole = how.total_mass_g if name in quantities.WEIGHED else None
+    made = quantities.Column(layout.name, column.header, name, tuple(rows.size), value, pan, whole, loss, upper, pan_lines[0].place if pan_lines else "")
+    _require_total(layout, body, column, made, mark)
+    if whole is None and name in ("mass_finer", "mass_cumulative_retained", "mass_cumulative"):
+        wholes = [value_of(column, line, mark) for line in (*body.total, *body.initial) if column.cell(line).numeric]
+        made = replace(made, whole=wholes[0] if wholes else None)
+    return made
+
+
+def _require_total(layout: Layout, body: Body, column: Column, made: quantities.Column, mark: str) -> None:
+    """Refuse a table whose rows do not add up to what its row of totals says: a row may be missing."""
+    if made.name not in quantities.RETAINED:
+        return
+    total = sum(made.value) + (made.pan or 0.0)
+    for line in body.total:
+        if not column.cell(line).numeric:
+            continue
+        said = value_of(replace(column, meaning=replace(column.meaning, name="mass_retained_g", unit=column.meaning.unit)), line, mark)
+        near = 0.5 * 10.0 ** -2 * max(said, total) + 1e-9
+        if min(abs(said - total), abs(said - total - made.loss)) > near:
+            raise ParameterError(
+                f"{line.place}: the total says {said:.4g}, but the rows above add up to {total:.4g}; is a row missing, or "
+                "was some washed out (total_mass_g)?"
+            )
+    for line in (*body.initial, *(one for one in layout.above if row_meaning(one.cells[0].text) == "initial")):
+        cells = [cell for cell in line.filled[1:] if cell.numeric]
+        if not cells or not made.name.startswith("mass") or made.whole is not None:
+            continue
+        said = value_of(Column(line.cells.index(cells[0]), column.header, column.meaning), line, mark)
+        if abs(said - total - made.loss) > 0.02 * max(said, total):
+            raise ParameterError(
+                f"{line.place}: {said:.4g} g before sieving, but the rows add up to {total:.4g} g; was some washed out? give "
+                "total_mass_g"
+            )
+
+
+def _require_applied(layout: Layout, read: quantities.Column, rows: Sized, how: Reading) -> None:
+    """Refuse an option that this table has no use for, rather than ignore it."""
+    if how.total_mass_g is not None and read.name not in quantities.WEIGHED:
+        raise ParameterError(
+            f"total_mass_g is {how.total_mass_g:.4g}, but column '{read.header}' of {layout.name} holds no masses; leave it "
+            "out"
+        )
+    if how.edges is not None:
+        if rows.edge and rows.edge != how.edges:
+            raise ParameterError(f"edges is '{how.edges}', but the header of {layout.name} names {rows.edge} edges")
+        if rows.classes or read.name not in quantities.RETAINED:
+            raise ParameterError(
+                f"edges is '{how.edges}', but the values of {layout.name} belong to "
+                f"{'classes with both their edges' if rows.classes else 'sieves, not to classes'}; leave it out"
+            )
+
+
+def _require_rising(layout: Layout, read: quantities.Column, rows: Sized, finer: list[float]) -> None:
+    """Refuse a curve that falls where two methods overlap, which the general remedy for a falling curve would mislead."""
+    if read.name != "percent_finer":
+        return
+    falls = [q for q in range(1, len(finer)) if finer[q] > finer[q - 1] + 1e-9]
+    for q in falls:
+        line, above = rows.line[q], rows.line[q - 1]
+        near = finer[q] - finer[q - 1] <= 0.25 * finer[q - 1] and rows.size[q - 1] <= 1.5 * rows.size[q]
+        if len(falls) == 1 and near and line is not None and above is not None:
+            raise ParameterError(
+                f"{line.place}: {finer[q]:.4g} % finer at {rows.size[q]:.4g} {rows.unit} is more than {finer[q - 1]:.4g} % at "
+                f"{rows.size[q - 1]:.4g} {rows.unit}; two methods that overlap, such as sieves and a hydrometer? leave out "
+                "the points of one"
+            )

@@ -11,7 +11,7 @@ from comminute._core import ParameterError
 from comminute.gradings.layout import is_blank
 from comminute.gradings.openings import AGREE, Size, Style, read_size
 from comminute.gradings.sieves import SERIES_OF_NUMBERS, convert
-from comminute.gradings.tables import shorten
+from comminute.util.names import shorten
 from comminute.gradings.words import LENGTHS
 
 if TYPE_CHECKING:
@@ -93,9 +93,9 @@ def sized(  # noqa: PLR0913
     rows: list[tuple[Line, Size]] = []
     for line in lines:
         if low is not None and high is not None:
-            size = _from_edges(layout, line, low, high, styles)
+            size = _from_edges(line, low, high, styles)
         else:
-            size = _one(layout, line, main, others, styles)
+            size = _one(line, main, others, styles, finer=finer)
         rows.append((line, size))
     if main.meaning.name == "sieve":
         _require_order_of_numbers(layout, main, rows)
@@ -129,28 +129,28 @@ def _roles(layout: Layout, columns: list[Column]) -> tuple[Column, list[Column],
     return main, others, None, None
 
 
-def _from_edges(layout: Layout, line: Line, low: Column, high: Column, styles: dict[int, Style]) -> Size:
+def _from_edges(line: Line, low: Column, high: Column, styles: dict[int, Style]) -> Size:
     cells = {column.index: column.cell(line) for column in (low, high)}
     if is_blank(cells[high.index]):
-        one = _parsed(layout, line, low, styles)
+        one = _parsed(line, low, styles)
         return Size("coarser", one.opening, one.unit)
-    upper = _parsed(layout, line, high, styles)
+    upper = _parsed(line, high, styles)
     if is_blank(cells[low.index]) or upper.kind == "class":
         return Size("finer", upper.opening, upper.unit) if upper.kind == "sieve" else upper
-    lower = _parsed(layout, line, low, styles)
+    lower = _parsed(line, low, styles)
     to = upper.unit if upper.unit == lower.unit else "mm"
     edges = sorted(convert(size.opening, size.unit, to) for size in (lower, upper))
     return Size("class", edges[0], to, edges[1])
 
 
-def _one(layout: Layout, line: Line, main: Column, others: list[Column], styles: dict[int, Style]) -> Size:
+def _one(line: Line, main: Column, others: list[Column], styles: dict[int, Style], *, finer: bool) -> Size:
     column = main
     if is_blank(main.cell(line)):
         column = next((other for other in others if not is_blank(other.cell(line))), main)
-    return _parsed(layout, line, column, styles)
+    return _parsed(line, column, styles, finer=finer)
 
 
-def _parsed(layout: Layout, line: Line, column: Column, styles: dict[int, Style]) -> Size:
+def _parsed(line: Line, column: Column, styles: dict[int, Style], *, finer: bool = False) -> Size:
     cell, style = column.cell(line), styles[column.index]
     where = f"{line.place}, column {column.header}"
     if not cell.text:
@@ -169,9 +169,9 @@ def _parsed(layout: Layout, line: Line, column: Column, styles: dict[int, Style]
             size = read_size(cell.text, style)
         except ParameterError as error:
             raise ParameterError(f"{where}: {'sieve' if style.unit == 'no' else 'the value'} {error}") from None
-    minus = size.kind == "finer" and re.match(r"\s*[-\u2212]\s*[0-9]", cell.text) and style.unit in LENGTH_UNITS
+    minus = size.kind == "finer" and re.match(r"\s*[-\u2212]\s*[0-9.,]", cell.text) and style.unit in LENGTH_UNITS
     shown = -size.opening if minus else size.opening
-    if not math.isfinite(size.opening) or size.opening < 0.0 or (minus and size.opening == 0.0):
+    if not math.isfinite(size.opening) or size.opening < 0.0 or (minus and finer):
         raise ParameterError(f"{where}: the value is {shown:.4g}; a size must be greater than 0")
     return size
 

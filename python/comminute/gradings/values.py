@@ -32,6 +32,8 @@ class Column:
         What was lost in sieving.
     upper : bool
         Whether each value belongs to the class below its size rather than above it.
+    pan_place : str
+        Row of the pan, for messages.
     """
 
     file: str
@@ -43,6 +45,7 @@ class Column:
     whole: float | None = None
     loss: float = 0.0
     upper: bool = False
+    pan_place: str = ""
 
 
 def clean(value: float, whole: float = 100.0) -> float:
@@ -103,7 +106,7 @@ def per_cent_finer(column: Column, notes: list[str]) -> list[float]:
     if column.name == "percent_finer":
         if clean(column.pan or 0.0):
             raise ParameterError(
-                f"{column.file}: {column.pan:.4g} % finer than the pan, which holds all: leave it out"
+                f"{column.pan_place}: {column.pan:.4g} % finer than the pan, which holds all: leave it out"
             )
         return list(column.value)
     if column.name == "mass_finer":
