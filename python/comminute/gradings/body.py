@@ -117,7 +117,7 @@ def _refuse_second_header(layout: Layout, line: Line) -> None:
 
 def _require_width(layout: Layout, line: Line, needed_columns: list[Column]) -> None:
     """Refuse a line with cells beyond those that the header names, or too few of them."""
-    width = max(column.index + 1 for column in layout.columns if column.header) if layout.columns else 0
+    width = layout.width
     extra = [cell for cell in line.cells[width:] if cell.text]
     needed = max((column.index + 1 for column in needed_columns), default=0)
     if extra or len(line.cells) < needed:

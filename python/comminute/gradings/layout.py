@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods", ".xlsb", ".numbers")
 MOST_LINES_ABOVE = 80
+MOST_COLUMNS = 200  # of a table that is read sideways
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,8 @@ class Layout:
         All lines below the header but comments.
     above : tuple of Line
         Lines above the header.
+    width : int
+        Number of columns that the header names.
     comma_separated : bool
     notes : tuple of str
     """
@@ -57,6 +60,7 @@ class Layout:
     columns: tuple[Column, ...]
     body: tuple[Line, ...]
     above: tuple[Line, ...]
+    width: int
     comma_separated: bool
     notes: tuple[str, ...] = ()
 
@@ -113,49 +117,60 @@ def _empty(name: str) -> ParameterError:
 
 def _of_text(sheets: list[Sheet]) -> Layout:
     """Table of the first reading of a text that has one, or the reason why none has."""
-    found = [layout for sheet in sheets if (layout := find_layout(sheet)) is not None]
-    for layout in found:
+    first: Layout | ParameterError | None = None
+    for sheet in sheets:
+        try:
+            layout = find_layout(sheet)
+        except ParameterError as error:
+            first = first or error
+            continue
+        if layout is None:
+            continue
         wide = [line for line in layout.body if len(line.filled) > 1]
         if len(layout.columns) > 1 and 2 * len(wide) >= len(layout.body):
             return layout
-    if found:
-        return found[0]
-    raise _why_none(sheets[0])
+        first = first or layout
+    if isinstance(first, Layout):
+        return first
+    raise first or _why_none(sheets[0])
 
 
 def find_layout(sheet: Sheet) -> Layout | None:
-    """Table of a sheet, upright, or else sideways with sizes along a row; None where no header is found."""
-    for way, strong in ((sheet, True), (sheet, False)):
-        layout = _upright(way, strong=strong)
-        if layout is not None:
-            return layout
+    """Table of a sheet, upright, or sideways with sizes along a row; None where no header is found.
+
+    A header names a size and a quantity; or else a size and samples, whose names are words rather than numbers where
+    there is a choice.
+    """
+    ways = [sheet]
     sideways = sheet.sideways()
-    if 2 <= len(sideways.lines) <= 200 and all(len(line.cells) <= 200 for line in sideways.lines):
-        for strong in (True, False):
-            layout = _upright(sideways, strong=strong)
-            if layout is not None and layout.body:
+    if 2 <= len(sideways.lines) <= MOST_COLUMNS and all(len(line.cells) <= MOST_COLUMNS for line in sideways.lines):
+        ways.append(sideways)
+    for strong, numbers in ((True, False), (False, False), (False, True)):
+        for way in ways:
+            layout = _upright(way, strong=strong, numbers=numbers)
+            if layout is not None and (layout.body or way is sheet):
                 return layout
-    commented = [replace(line, comment=False) if line.comment else line for line in sheet.lines]
-    bare = [_uncommented(line) for line in commented]
-    if len(bare) > 1 and any(line.comment for line in sheet.lines):
-        return _upright(replace(sheet, lines=tuple(bare)), strong=True, comments=True)
+    if any(line.comment for line in sheet.lines):
+        bare = tuple(_uncommented(line) for line in sheet.lines)
+        return _upright(replace(sheet, lines=bare), strong=True, numbers=False, comments=sheet.lines)
     return None
 
 
 def _uncommented(line: Line) -> Line:
+    """Line without the # of a comment, in which programs write the header of numbers."""
     if line.cells and line.cells[0].text.startswith("#") and not re.match(r"#\s*[0-9]", line.cells[0].text):
         cells = (Cell(line.cells[0].text.lstrip("# ")), *line.cells[1:])
-        return replace(line, cells=cells if cells[0].text else cells[1:])
+        return replace(line, cells=cells if cells[0].text else cells[1:], comment=False)
     return line
 
 
-def _upright(sheet: Sheet, *, strong: bool, comments: bool = False) -> Layout | None:
-    """Table whose header is a line that names a size and, if `strong`, a quantity."""
+def _upright(sheet: Sheet, *, strong: bool, numbers: bool, comments: tuple[Line, ...] | None = None) -> Layout | None:
+    """Table whose header is a line that names a size and, if `strong`, a quantity; `numbers` lets samples be numbers."""
     lines = [line for line in sheet.lines if not line.comment]
     best: tuple[int, int, int] | None = None
     for at, _ in enumerate(lines[:MOST_LINES_ABOVE]):
         for high in (1, 2):
-            score = _score(lines, at, high, strong=strong)
+            score = _score(lines, at, high, strong=strong, numbers=numbers)
             if score > 0 and (best is None or score > best[0]):
                 best = (score, at, high)
     if best is None:
@@ -167,11 +182,11 @@ def _upright(sheet: Sheet, *, strong: bool, comments: bool = False) -> Layout | 
         titles = [_with_unit(sheet, lines[below], title, k) for k, title in enumerate(titles)]
         below += 1
     body = tuple(lines[below:])
-    if comments:
-        body = tuple(line for line in body if line in sheet.lines)
+    if comments is not None:
+        body = tuple(line for line in body if line in comments)
     columns = _size_by_content(_columns(titles), body)
     return Layout(
-        sheet.name, sheet.title, lines[at], tuple(columns), body, tuple(lines[:at]), sheet.delimiter in ("", ",")
+        sheet.name, sheet.title, lines[at], tuple(columns), body, tuple(lines[:at]), len(titles), sheet.delimiter in ("", ",")
     )
 
 
@@ -201,25 +216,27 @@ def _with_unit(sheet: Sheet, line: Line, title: str, index: int) -> str:
     return title if said else f"{title} [{unit}]"
 
 
-def _score(lines: list[Line], at: int, high: int, *, strong: bool) -> int:
+def _score(lines: list[Line], at: int, high: int, *, strong: bool, numbers: bool) -> int:
     """Rank of a header that begins at a line and is so many lines high; 0 for none."""
     used = lines[at : at + high]
     if len(used) < high or len(used[0].filled) < 2:
         return 0
-    if (strong or high == 2) and any(cell.numeric for line in used for cell in line.filled):
+    if (not numbers or high == 2) and any(cell.numeric for line in used for cell in line.filled):
         return 0
-    if high == 2 and _is_units(used[1]):
-        return 0
+    if high == 2:
+        kinds = [column.meaning.kind for column in _columns(_titles(used[:1]))]
+        if _is_units(used[1]) or kinds.count("size") + kinds.count("value") < 2:
+            return 0
     columns = _columns(_titles(used))
     body = tuple(line for line in lines[at + high :] if not _is_units(line))
     kinds = [column.meaning.kind for column in _size_by_content(columns, body) if column.header]
-    numbers = any(cell.numeric for line in body[:40] for cell in line.filled)
+    filled = any(cell.numeric for line in body[:40] for cell in line.filled)
     if "size" not in kinds or len(kinds) < 2 or (strong and "value" not in kinds):
         return 0
-    if (body and not numbers) or not (strong or body):
+    if (body and not filled) or not (strong or body):
         return 0
     known = kinds.count("size") + kinds.count("value")
-    return 10 * known + 5 * numbers - (high == 2) - kinds.count("unknown")
+    return 10 * known + 5 * filled + (high == 2) - kinds.count("unknown")
 
 
 def _columns(titles: list[str]) -> list[Column]:

@@ -16,7 +16,7 @@ from comminute.gradings.words import LENGTHS, folded, meanings_of, plain
 
 AGREE = 0.03  # relative difference of openings up to which a designation and an opening name one sieve
 Kind = Literal["sieve", "finer", "coarser", "class"]
-_FINER = r"<=?|≤|less than|smaller than|finer than|passing|minus|under|below|thru|through|unter|kleiner als|kleiner|<\s*no"
+_FINER = r"<=?|≤|less than|smaller than|finer than|passing|passes|passed|minus|under|below|thru|through|unter|kleiner als|kleiner|<\s*no"
 _FINER += r"|menor que|menor a|menos de|inferieur a|moins de|pasa|passante|minore di|minus no"
 _COARSER = r">=?|≥|\+|greater than|larger than|coarser than|retained on|retained|plus|over|above|uber|grosser als|grosser|mayor que"
 _COARSER += r"|superieur a|maior que|maggiore di"

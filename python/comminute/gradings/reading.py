@@ -283,6 +283,8 @@ def _numbers(
 ) -> quantities.Column:
     """Numbers of one column on the sieves, with what its pan, its total and its losses say."""
     name = column.meaning.name
+    if name == "share" and rows.classes:
+        name = "percent_retained"
     adds_up = name in quantities.RETAINED or name in ("share",)
     value = tuple(0.0 if line is None else value_of(column, line, mark) for line in rows.line)
     if name in ("percent_finer", "cumulative", "share") and rows.line.count(None):

@@ -76,9 +76,9 @@ def resolved(column: Column, notes: list[str]) -> Column:
         found.append("mass_finer" if name == "mass_cumulative" else "percent_finer")
     if rises and (name in ("cumulative", "mass_cumulative") or any(abs(last - w) <= 1e-3 * w for w in (1.0, 100.0))):
         found.append("mass_cumulative_retained" if name == "mass_cumulative" else "percent_cumulative_retained")
-    if name in ("share", "retained") and near:
+    if name in ("share", "retained") and (near or (column.pan is None and name == "retained" and total < 100.0)):
         found.append("percent_retained")
-    if name == "retained" and not found and column.pan is not None:
+    if name == "retained" and not near:
         found.append("mass_retained_g")
     if len(found) == 1:
         why = {
@@ -86,7 +86,7 @@ def resolved(column: Column, notes: list[str]) -> Column:
             "percent_retained": "its values add up to 100 %",
             "mass_retained_g": "shares of what is on the sieves and in the pan",
         }.get(found[0], "its values never fall from coarse to fine")
-        notes.append(f"{of} is read as {found[0]}: {why}")
+        notes.append(f"{of} read as {found[0]}: {why}")
         return Column(**(vars(column) | {"name": found[0]}))
     what = f"its values may be {' or '.join(found)}" if found else "its values do not tell what they are"
     raise ParameterError(
@@ -196,6 +196,8 @@ def _from_retained(column: Column, notes: list[str]) -> list[float]:
         whole = 100.0
         missing = 100.0 - total
         notes.append(f"{file} has no pan row: the missing {missing:.4g} % taken as finer than the finest sieve")
+    if column.loss:
+        notes.append(f"{column.loss:.4g} lost from {file}: shares are of what is on the sieves and in the pan")
     if name == "percent_retained" and abs(whole - 100.0) > RESIDUE and whole > 2.0:
         notes.append(f"{name} of {file} adds up to {total:.6g} %: scaled to 100 %")
     rest = max(whole - math.fsum(column.value), 0.0) if column.pan is None or whole != total else column.pan
