@@ -40,7 +40,11 @@ def _defaults() -> dict[str, str]:
     material = schema.MaterialTable()
     tables = (schema.Units(), material, material.fragments, schema.EngineTable(), schema.OutputTable())
     found = {key: value for table in tables for key, value in table.model_dump().items()}
-    keys = {"coarse_share": schema.GapGraded, "loading_rate": schema.LoadTable, "remix_after": schema.LoadTable}
+    keys: dict[str, type[schema.Table]] = {
+        "coarse_share": schema.GapGraded,
+        "loading_rate": schema.LoadTable,
+        "remix_after": schema.LoadTable,
+    }
     found |= {key: table.model_fields[key].default for key, table in keys.items()}
     return {key: json.dumps(value) for key, value in found.items()}
 
