@@ -13,6 +13,7 @@ Examples
 True
 """
 
+import comminute.util.core_keywords  # noqa: F401  (before the names of the core are taken from it)
 from comminute._core import (
     Atom,
     CrushZones,

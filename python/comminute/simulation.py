@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from typing import Literal
@@ -16,6 +17,7 @@ from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning, explained, resolution_warnings
 from comminute.runs.walk import Engines, Records, Walk, engine_of, kind_of
 from comminute.util.choices import EngineName, Kind, Mean, Scheme, require_word
+from comminute.util.keywords import suggests_keywords
 
 
 class Interrupted(KeyboardInterrupt):
@@ -29,6 +31,17 @@ class Interrupted(KeyboardInterrupt):
     def __reduce__(self) -> tuple[type[Interrupted], tuple[Result | None]]:
         """Pickle by what it was made of; exceptions go by their message otherwise."""
         return Interrupted, (self.result,)
+
+
+def _require_parts(material: object, start: object) -> None:
+    """Raise TypeError at once for what is no material or no start, and say what to do with a file."""
+    if not isinstance(material, Material):
+        raise TypeError(f"material is a {type(material).__name__}; it must be a Material")
+    if isinstance(start, str | os.PathLike):
+        name = os.fspath(start)
+        raise TypeError(f"start is '{name}', the name of a file; read it first: Grading.read('{name}')")
+    if not isinstance(start, Grading | Fabric):
+        raise TypeError(f"start is a {type(start).__name__}; it must be a Grading or a Fabric")
 
 
 class Simulation:
@@ -62,6 +75,7 @@ class Simulation:
     (np.float64(0.0), True)
     """
 
+    @suggests_keywords
     def __init__(
         self,
         material: Material,
@@ -71,6 +85,7 @@ class Simulation:
         mean: Mean = "arithmetic",
         scheme: Scheme = "conservative",
     ) -> None:
+        _require_parts(material, start)
         require_word("scheme", scheme, Scheme)
         require_word("mean", mean, Mean)
         if isinstance(start, Fabric) and grid is not None and grid != start.grid:
@@ -108,6 +123,7 @@ class Simulation:
         grid = self.grid or fitting_grid(self.start, self.material, max_stress_ratio)
         return mixed_fabric(self.start, grid, mean=self.mean)
 
+    @suggests_keywords
     def run(
         self,
         stress_ratio: float | Iterable[float] | None = None,

@@ -6,5 +6,6 @@ here.
 
 from comminute._core import Grading
 from comminute.gradings.reading import read_grading
+from comminute.util.keywords import suggests_keywords
 
-Grading.read = staticmethod(read_grading)  # type: ignore[method-assign]
+Grading.read = staticmethod(suggests_keywords(read_grading, "Grading.read"))  # type: ignore[method-assign]

@@ -6,21 +6,22 @@ import difflib
 import functools
 import inspect
 import re
-from collections.abc import Callable, Iterable
-from types import ModuleType
+from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
 
-def suggests_keywords(function: Callable[P, R]) -> Callable[P, R]:
+def suggests_keywords(function: Callable[P, R], name: str = "") -> Callable[P, R]:
     """Make a function whose TypeError for an unknown keyword names the nearest keyword.
 
     Parameters
     ----------
     function : callable
         A Python function, or one of the core, whose docstring begins with its signature.
+    name : str
+        Name for messages; left out: its own.
 
     Returns
     -------
@@ -45,11 +46,14 @@ def suggests_keywords(function: Callable[P, R]) -> Callable[P, R]:
             return function(*args, **kwargs)
         except TypeError:
             known = keywords_of(function)
-            for name in kwargs:
-                if known and name not in known:
-                    raise TypeError(_message(function, name, known)) from None
+            for word in kwargs:
+                if known and word not in known:
+                    called = name or function.__qualname__.removesuffix(".__init__").rpartition(".<locals>.")[2]
+                    raise TypeError(_message(called, word, known)) from None
             raise
 
+    if name:
+        checked.__qualname__ = name
     return checked
 
 
@@ -58,25 +62,15 @@ def keywords_of(function: Callable[..., Any]) -> list[str]:
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
-        signature = re.search(r"\((.*)\) ->", (function.__doc__ or "").partition("\n")[0])
-        names = re.findall(r"(?:^|, )([a-z_0-9]+): ", signature[1]) if signature else []
-        return [name for name in names if name != "self"]
+        signatures = re.findall(r"^(?:[0-9]+\. )?\w+\((.*)\) ->", function.__doc__ or "", re.MULTILINE)
+        names = [name for signature in signatures for name in re.findall(r"(?:^|, )([a-z_0-9]+): ", signature)]
+        return [name for name in dict.fromkeys(names) if name != "self"]
     if any(parameter.kind is inspect.Parameter.VAR_KEYWORD for parameter in parameters):
         return []
     return [parameter.name for parameter in parameters if parameter.name != "self"]
 
 
-def _message(function: Callable[..., Any], name: str, known: list[str]) -> str:
-    called = function.__qualname__.removesuffix(".__init__").rpartition(".<locals>.")[2]
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+def _message(called: str, word: str, known: list[str]) -> str:
+    near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
     meant = f"did you mean {near[0]}?" if near else f"it has {', '.join(known)}"
-    return f"{called}() has no keyword {name}; {meant}"
-
-
-def suggest_in(module: ModuleType, functions: Iterable[str], classes: Iterable[str]) -> None:
-    """Let functions of the core and the makers of its classes name the nearest keyword."""
-    for name in functions:
-        setattr(module, name, suggests_keywords(getattr(module, name)))
-    for name in classes:
-        made = getattr(module, name)
-        made.__init__ = suggests_keywords(made.__init__)
+    return f"{called}() has no keyword {word}; {meant}"
