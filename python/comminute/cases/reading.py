@@ -17,7 +17,7 @@ from comminute.cases.messages import explained
 from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, MaterialTable, Sieves
 from comminute.cases.load_files import read_loads
 from comminute.gradings.reading import Reading, SieveData, read_sieves
-from comminute.gradings.sieves import unit_of
+from comminute.gradings.sieves import convert, unit_of
 from comminute.runs.load_path import load_path
 from comminute.runs.recipe import law_of
 from comminute.simulation import Simulation
@@ -166,6 +166,7 @@ def _validated(raw: dict[str, Any], name: str) -> Case:
 def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> ReadyCase:
     """Case with its files read: every check that needs no run."""
     name = path.name
+    _require_reference_size(case, name)
     material = _in_table(name, "material", lambda: _material(case))
     case, grading = _grading(case, path)
     case = _loads(case, path)
@@ -197,6 +198,18 @@ def _in_table(name: str, table: str, make: Callable[[], Made]) -> Made:
     except (ParameterError, ShapeError) as error:
         message = str(error).replace("set it on the Material", "set it in [material]")
         raise ParameterError(f"{name} [{table}]: {message}") from None
+
+
+def _require_reference_size(case: Case, name: str) -> None:
+    """Refuse a measured grading without the size to which stress ratios refer: 1 would be 1 of whatever unit it has."""
+    measured = isinstance(case.grading, GradingFile | Sieves)
+    if measured and "reference_size" not in case.material.model_fields_set:
+        unit = case.units.size
+        one = f"{convert(1.0, 'mm', unit):.6g}" if unit_of(unit) else "1"
+        raise ParameterError(
+            f"{name} [material]: reference_size is missing, the size to which stress ratios and first_crush_stress refer; "
+            f"sizes are in {unit}, so add the line reference_size = {one} (for 1 {'mm' if unit_of(unit) else unit}) or another"
+        )
 
 
 def _material(case: Case) -> Material:

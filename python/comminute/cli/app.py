@@ -168,6 +168,8 @@ def _begun(ready: ReadyCase, *, resume: bool, force: bool) -> tuple[Result | Non
 def _run_one(ready: ReadyCase, earlier: Result | None, *, quiet: bool) -> Result:
     """Run one case, its table growing as loads finish."""
     table = cli_texts.LoadTableText(ready, quiet=quiet)
+    if not quiet:
+        print(cli_texts.material_line(ready))
     if earlier is not None and not quiet:
         print(f"going on after {earlier.stress_ratio.size} finished loads")
         table.rows_of(earlier)
