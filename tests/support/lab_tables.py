@@ -52,7 +52,7 @@ def grading(chance: random.Random) -> tuple[list[str], list[float], list[int]]:
     names = names[first : first + count]
     sizes = [ASTM[name] if astm else float(name) for name in names]
     masses = [0, *(chance.choice((0, chance.randrange(1, 900), chance.randrange(1000, 25000))) for _ in sizes[1:])]
-    masses[1] = masses[1] or 57
+    masses[1], masses[-1] = masses[1] or 57, masses[-1] or 41  # a curve flat at its fine end has no tail to be read
     return names, sizes, [*masses, chance.choice((chance.randrange(1, 3000), chance.randrange(1, 300)))]
 
 

@@ -168,8 +168,6 @@ def _begun(ready: ReadyCase, *, resume: bool, force: bool) -> tuple[Result | Non
 def _run_one(ready: ReadyCase, earlier: Result | None, *, quiet: bool) -> Result:
     """Run one case, its table growing as loads finish."""
     table = cli_texts.LoadTableText(ready, quiet=quiet)
-    if not quiet:
-        print(cli_texts.material_line(ready))
     if earlier is not None and not quiet:
         print(f"going on after {earlier.stress_ratio.size} finished loads")
         table.rows_of(earlier)
@@ -184,6 +182,7 @@ def _run_one(ready: ReadyCase, earlier: Result | None, *, quiet: bool) -> Result
             _stop(f"interrupted after {kept} finished loads{where}", STOPPED)
     table.close()
     if not quiet:
+        print(cli_texts.material_line(ready))
         cli_texts.print_remarks(result)
         print(f"wrote {ready.target}")
     return result

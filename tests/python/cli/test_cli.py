@@ -56,7 +56,8 @@ def test_new_check_run_stats_plot(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     header = "stress MPa stress ratio d10 mm d50 mm d60 mm fines crushes"
     assert " ".join(done.output.splitlines()[0].split()) == header
-    assert len(done.output.splitlines()) == 12
+    assert len(done.output.splitlines()) == 13
+    assert "material: reference size 2 mm, first crush stress 1.2 MPa, weibull modulus 3" in done.output
     stats = json.loads(call("stats", made / "run.nc", "--json").output)
     assert stats["unit"] == "mm"
     assert stats["gradings"][0]["D50"] == pytest.approx(0.5 * 2**0.5, rel=1e-3)
