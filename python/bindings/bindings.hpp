@@ -11,6 +11,7 @@
 
 namespace py = pybind11;
 
+void register_errors(py::module_& m);
 void register_grid(py::module_& m);
 void register_fragments(py::module_& m);
 void register_criterion(py::module_& m);

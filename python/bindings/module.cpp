@@ -27,14 +27,18 @@ py::array_t<double> strict_array(const py::object& object, const std::vector<py:
     }
     const auto dimensions = static_cast<std::size_t>(array.ndim());
     if (dimensions != shape.size() || !std::equal(shape.begin(), shape.end(), array.shape())) {
-        throw comminute::ShapeError(label + " has shape " + shape_text(array.shape(), dimensions) + "; " +
-                                    needed_by + " needs " + shape_text(shape.data(), shape.size()));
+        const std::string found = shape_text(array.shape(), dimensions);
+        throw comminute::ShapeError(
+            {.parameter = label,
+             .value = found,
+             .finding = "has shape " + found,
+             .rule = std::string(needed_by) + " needs " + shape_text(shape.data(), shape.size())});
     }
     const int wanted = int{py::array::c_style} | int{py::detail::npy_api::NPY_ARRAY_ALIGNED_};
     if ((array.flags() & wanted) != wanted) {
-        throw comminute::ShapeError(
-            label + " is not a C-ordered (row after row) array; make one with np.ascontiguousarray(" + label +
-            ")");
+        throw comminute::ShapeError({.parameter = label,
+                                     .finding = "is not a C-ordered (row after row) array",
+                                     .remedy = comminute::Remedy::order_rows});
     }
     return py::reinterpret_borrow<py::array_t<double>>(object);
 }
@@ -43,8 +47,10 @@ py::array_t<double> strict_out(const py::object& object, const std::vector<py::s
                                const char* name) {
     if (object.is_none()) return py::array_t<double>(shape);
     py::array_t<double> array = strict_array(object, shape, name);
-    if (!array.writeable())
-        throw comminute::ParameterError(std::string(name) + " is read-only; it must be writeable");
+    if (!array.writeable()) {
+        throw comminute::ParameterError(
+            {.parameter = name, .value = "read-only", .rule = "it must be writeable"});
+    }
     return array;
 }
 
@@ -67,12 +73,7 @@ PYBIND11_MODULE(_core, m) {
     m.doc() = "The C++ core of comminute; import comminute instead.";
     m.attr("__version__") = comminute::version;
     m.attr("has_fftw") = comminute::has_fftw();
-    py::register_exception<comminute::ParameterError>(m, "ParameterError", PyExc_ValueError).attr("__doc__") =
-        "A parameter outside its range; the message gives its value and the rule.";
-    py::register_exception<comminute::ShapeError>(m, "ShapeError", PyExc_ValueError).attr("__doc__") =
-        "An array whose shape, order or overlap does not fit; the message gives both shapes.";
-    py::register_exception<comminute::UnavailableError>(m, "UnavailableError", PyExc_RuntimeError)
-        .attr("__doc__") = "A part that this build leaves out; the message says how to get it.";
+    register_errors(m);
     register_grid(m);
     register_fragments(m);
     register_criterion(m);

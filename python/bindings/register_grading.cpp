@@ -64,17 +64,16 @@ GradingLaw law_of(const py::tuple& state) {
 }
 
 Grading from_sieves(const std::vector<double>& size, const std::vector<double>& percent_finer,
-                    std::string unit, const std::string& top, bool number, std::vector<std::string> places,
-                    std::string if_retained, const std::vector<std::string>& notes) {
+                    std::string unit, const std::string& top, bool number,
+                    const std::vector<std::string>& notes) {
     if (top != "error" && top != "extend") {
-        throw ParameterError("top is '" + top + "'; it must be one of 'error', 'extend'");
+        throw ParameterError(
+            {.parameter = "top", .value = "'" + top + "'", .rule = "it must be one of 'error', 'extend'"});
     }
     SieveOptions options;
     options.unit = std::move(unit);
     options.extend_top = top == "extend";
     options.by_number = number;
-    options.places = std::move(places);
-    if (!if_retained.empty()) options.if_retained = std::move(if_retained);
     Grading grading = sieve_grading(size, percent_finer, options);
     grading.notes.insert(grading.notes.begin(), notes.begin(), notes.end());
     return grading;
@@ -104,8 +103,7 @@ void register_grading_class(py::module_& m) {
 Made by `monodisperse`, `gap_graded`, `power_law` or `Grading.from_sieves`. Immutable.)doc")
         .def_static("from_sieves", &from_sieves, py::arg("size"), py::arg("percent_finer"),
                     py::arg("unit") = standard.unit, py::kw_only(), py::arg("top") = top_word(standard),
-                    py::arg("number") = standard.by_number, py::arg("places") = std::vector<std::string>{},
-                    py::arg("if_retained") = "", py::arg("notes") = std::vector<std::string>{},
+                    py::arg("number") = standard.by_number, py::arg("notes") = std::vector<std::string>{},
                     R"doc(A measured curve: linear in ln(size) between sieves.
 
 What is finer than the finest sieve continues as a power law through the two finest points; `notes`
@@ -117,20 +115,18 @@ size : sequence of float
     Two or more sieve openings > 0, in any order, all different.
 percent_finer : sequence of float
     Per cent of the mass finer than each, 0 to 100, never falling with size, 100 at the coarsest. A
-    curve that ends at exactly 1 is read as fractions; `notes` says so.
+    curve whose top lies between 0.9 and 1 is read as fractions; `notes` says so. What sums leave
+    behind, 100.00000000000001 or -5e-15, is 100 and 0.
 unit : str
     Unit of the sizes, carried along as text.
 top : {"error", "extend"}
-    What to do with a curve that stops short of 100 %: refuse it, or carry its last slope on.
+    What to do with a curve that stops short of 100 %: refuse it, or carry its last slope on, as far
+    as the next sieve, twice the coarsest, at most.
 number : bool
     The shares count grains. They are converted to mass with weights of size cubed, mass taken as
     even in ln(size) between sieves; `notes` says so.
-places : sequence of str
-    What errors call each point, "sand.csv row 5"; left out: "row 1" and so on.
-if_retained : str
-    What errors advise for a curve that falls; left out: to convert it first.
 notes : sequence of str
-    What was assumed before, to stand first in the grading's `notes`.
+    Assumptions made in preparing the numbers; they stand first in the grading's `notes`.
 
 Returns
 -------
@@ -139,7 +135,8 @@ Grading
 Raises
 ------
 ParameterError
-    Naming the row (counted from 1), the value and the rule.
+    For a size, a share or a curve that no grading can have. Its `place` has the row: the position of the point
+    in the lists, counted from 1.
 ShapeError
     For lists of different lengths.
 
@@ -149,82 +146,6 @@ Examples
 >>> sand = cm.Grading.from_sieves([2.0, 1.0, 0.5], [100, 50, 0], unit="mm")
 >>> sand.finer(1.0)
 0.5
-)doc")
-        .def_static(
-            "read",
-            [](const py::object& path, const py::object& unit, const std::string& top, bool number) {
-                const auto read = py::module_::import("comminute.gradings.reading").attr("read_grading");
-                return read(path, py::arg("unit") = unit, py::arg("top") = top, py::arg("number") = number);
-            },
-            py::arg("path"), py::kw_only(), py::arg("unit") = py::none(), py::arg("top") = top_word(standard),
-            py::arg("number") = standard.by_number,
-            R"doc(A measured curve from a sieve table: .csv, .txt, .tsv, or .xlsx with the extra `xlsx`.
-
-The header names a size column, `size_mm` (or um, cm, m, in), `phi`, or `sieve` (ASTM E11 numbers and
-inches, or openings with their unit), and one of `percent_finer`, `percent_retained` (on each sieve),
-`percent_cumulative_retained`, `mass_retained_g`. Rows in any order; one may be the `pan`. Columns are
-separated by commas, semicolons or tabs, and with the last two decimal commas are read. Lines that begin
-with # are comments.
-
-Parameters
-----------
-path : path-like
-unit : str, optional
-    Unit of the grading's sizes; left out: the unit of the file, mm for phi and sieve.
-top : {"error", "extend"}
-    See `from_sieves`.
-number : bool
-    The shares count grains; see `from_sieves`.
-
-Returns
--------
-Grading
-    Its `notes` say what was converted or assumed.
-
-Raises
-------
-ParameterError
-    Naming file, row, column and value, the rule, and what to do.
-ImportError
-    For .xlsx where openpyxl is missing.
-
-Examples
---------
->>> import comminute as cm, pathlib, tempfile
->>> path = pathlib.Path(tempfile.mkdtemp(), "sand.csv")
->>> _ = path.write_text("size_mm;mass_retained_g\n2,0;0\n1,0;30\n0,5;50\npan;20\n")
->>> cm.Grading.read(path).finer([2.0, 1.0, 0.5])
-array([1. , 0.7, 0.2])
-)doc")
-        .def(
-            "to_sieves",
-            [](const py::object& self, const py::object& sieves) {
-                return py::module_::import("comminute.gradings.curves").attr("on_sieves")(self, sieves);
-            },
-            py::arg("sieves"), R"doc(Per cent finer and retained on sieves, coarse to fine.
-
-Parameters
-----------
-sieves : str or sequence of float
-    A series, "ISO R20/3", "ISO R40/3" or "ASTM E11" (the part of it that the grading covers), or
-    openings in `unit`.
-
-Returns
--------
-SieveTable
-    Named tuple size, percent_finer, unit, percent_retained, pan.
-
-Raises
-------
-ParameterError
-    For grains that stay on the coarsest sieve, or a series for sizes without a unit.
-
-Examples
---------
->>> import comminute as cm
->>> table = cm.fuller(16.0).with_unit("mm").to_sieves([16, 4, 1])
->>> table.percent_finer, table.pan
-(array([100.,  50.,  25.]), 25.0)
 )doc")
         .def_property_readonly(
             "unit", [](const Grading& g) { return g.unit; }, "Unit of the sizes, as text; empty if relative.")
@@ -251,14 +172,14 @@ inf{d : F(d) >= percent / 100}: on a plateau this is its lower end. D_0 is the s
 Parameters
 ----------
 percent : float or sequence
-    In [0, 100].
+    Share of the mass in per cent, in [0, 100].
 extrapolate : bool
     Go on below the finest sieve, along the tail.
 
 Returns
 -------
 float or ndarray
-    In `unit`.
+    The size, in `unit`.
 
 Raises
 ------
@@ -328,9 +249,9 @@ Parameters
 grading : Grading
 grid : LogGrid
 mean : {"arithmetic", "geometric"}
-    How two neighbours make a neighbourhood grainsize: Eq. 48 or 65.
+    Mean of two neighbours' sizes that makes the neighbourhood grainsize: Eq. 48 or 65.
 points : {"exact", "binned"}
-    What becomes of the sizes of a monodisperse or gap-graded start: they stay exact, as atoms, until
+    Treatment of the sizes of a monodisperse or gap-graded start: they stay exact, as atoms, until
     they crush; or they go to the bins that hold them, for engines that know bins only.
 
 Returns
@@ -439,7 +360,7 @@ grid : LogGrid
 cdf : ndarray (N,)
     Fraction finer than the upper edge of each bin.
 percent : float
-    In [0, 100].
+    Share of the mass in per cent, in [0, 100].
 extrapolate : bool
     Continue a curve that ends in the fines bin as a power law through its two finest points.
 points : sequence of PointMass

@@ -46,9 +46,13 @@ std::vector<double> sizes_in(const py::object& sizes) {
     py::ssize_t length = 0;
     if (py::isinstance<py::array>(sizes)) {
         const auto array = py::reinterpret_borrow<py::array>(sizes);
-        if (array.ndim() != 1)
-            throw ShapeError("sizes has " + std::to_string(array.ndim()) +
-                             " dimensions; it must have one, the cells around the ring");
+        if (array.ndim() != 1) {
+            throw ShapeError({.parameter = "sizes",
+                              .value = std::to_string(array.ndim()),
+                              .number = static_cast<double>(array.ndim()),
+                              .finding = "has " + std::to_string(array.ndim()) + " dimensions",
+                              .rule = "it must have one, the cells around the ring"});
+        }
         length = array.size();
     }
     const auto array = strict_array(sizes, {length}, "sizes");

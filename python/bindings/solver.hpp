@@ -154,8 +154,11 @@ class Solver {
 
     static void refuse_second_load(std::optional<double> settled_at) {
         if (settled_at) {
-            throw comminute::ParameterError("settled_at is " + comminute::text(*settled_at) +
-                                            " beside a Fabric, which carries its own; leave it out");
+            throw comminute::ParameterError({.parameter = "settled_at",
+                                             .value = comminute::text(*settled_at),
+                                             .number = *settled_at,
+                                             .rule = "a Fabric carries its own",
+                                             .remedy = comminute::Remedy::leave_out});
         }
     }
 

@@ -91,8 +91,9 @@ Choice choice_of(const std::string& word) {
         if (word == name) return value;
         known += (known.empty() ? "" : ", ") + std::string("'") + name + "'";
     }
-    throw comminute::ParameterError(std::string(Words<Choice>::parameter) + " is '" + word +
-                                    "'; it must be one of " + known);
+    throw comminute::ParameterError({.parameter = Words<Choice>::parameter,
+                                     .value = "'" + word + "'",
+                                     .rule = "it must be one of " + known});
 }
 
 template <class Choice>

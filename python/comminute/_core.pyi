@@ -20,9 +20,45 @@ _Axis = Literal["grain", "neighbour"]
 _Scheme = Literal["conservative", "paper"]
 _Many = Sequence[float] | npt.NDArray[np.floating] | npt.NDArray[np.integer]
 
-class ParameterError(ValueError): ...
-class ShapeError(ValueError): ...
-class UnavailableError(RuntimeError): ...
+class Place:
+    def __init__(self, name: str = ..., index: Sequence[int] = ..., row: int = ..., column: str = ...) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def index(self) -> list[int]: ...
+    @property
+    def row(self) -> int: ...
+    @property
+    def column(self) -> str: ...
+
+class _Fault:
+    parameter: str
+    value: str
+    number: float | None
+    subject: str
+    finding: str
+    also: Place | None
+    rule: str
+    place: tuple[Place, ...]
+    remedy: str
+
+class ParameterError(_Fault, ValueError): ...
+class ShapeError(_Fault, ValueError): ...
+class UnavailableError(_Fault, RuntimeError): ...
+
+_remedies: tuple[str, ...]
+_remedy_words: dict[str, str]
+
+def _worded(
+    parameter: str,
+    value: str,
+    subject: str,
+    finding: str,
+    also: Place | None,
+    rule: str,
+    place: Sequence[Place],
+    remedy: str,
+) -> str: ...
 
 class LogGrid:
     def __init__(self, psi_min: float, psi_max: float, bins: int) -> None: ...
@@ -315,8 +351,6 @@ class Grading:
         *,
         top: Literal["error", "extend"] = ...,
         number: bool = ...,
-        places: Sequence[str] = ...,
-        if_retained: str = ...,
         notes: Sequence[str] = ...,
     ) -> Grading: ...
     @staticmethod
@@ -326,6 +360,11 @@ class Grading:
         unit: str | None = ...,
         top: Literal["error", "extend"] = ...,
         number: bool = ...,
+        sheet: str | int | None = ...,
+        sample: str | int | None = ...,
+        mesh: Literal["astm", "tyler"] | None = ...,
+        total_mass_g: float | None = ...,
+        edges: Literal["lower", "upper"] | None = ...,
     ) -> Grading: ...
     def to_sieves(self, sieves: str | _Many) -> SieveTable: ...
     def with_unit(self, unit: str) -> Grading: ...

@@ -15,7 +15,6 @@ from comminute._core import (
     Fabric,
     LogGrid,
     Material,
-    ParameterError,
     PointMass,
     SolveReport,
     StepReport,
@@ -25,6 +24,7 @@ from comminute._core import (
 from comminute.gradings.curves import SizeCurve
 from comminute.runs.recipe import Recipe
 from comminute.util.equality import same_values
+from comminute.util.errors import parameter_error
 from comminute.util.whole_files import write_whole
 
 if TYPE_CHECKING:
@@ -203,7 +203,8 @@ class Result:
         """
         kept = self.fabrics[k]
         if kept is None:
-            raise ParameterError(f"the fabric after load {k} was not kept; add {k} to keep_fabrics of run")
+            subject = f"the fabric after load {k}"
+            raise parameter_error("k", k, subject=subject, finding="was not kept", remedy="keep_fabric")
         return kept
 
     def __eq__(self, other: object) -> bool:
@@ -269,7 +270,7 @@ class Result:
 
             return storage.save_netcdf(self, target)
         if target.suffix != ".npz":
-            raise ParameterError(f"path is '{target}'; it must end in .nc or .npz")
+            raise parameter_error("path", f"'{target}'", "it must end in .nc or .npz")
         names = ("stress_ratio", "psi", "size", "edge_size", "pmf", "cdf", "crushes", "fines", "mass_error")
         arrays: dict[str, Any] = {name: getattr(self, name) for name in names}
         if self.stress is not None:

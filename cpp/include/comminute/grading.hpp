@@ -15,7 +15,7 @@ namespace comminute {
 /// A few exact sizes: monodisperse or gap-graded packings.
 struct COMMINUTE_API PointMasses {
     std::vector<double> size;   ///< > 0, ascending
-    std::vector<double> share;  ///< of the mass, each > 0, sum 1
+    std::vector<double> share;  ///< shares of the mass, each > 0, sum 1
 
     double finer(double size_at) const;
     double smallest_size() const { return size.front(); }
@@ -107,8 +107,6 @@ struct SieveOptions {
     bool extend_top = false;  ///< carry the last slope in ln d on to 100 % where the curve stops short of it
     /// The shares count grains; they are weighed with size cubed, mass spread evenly in ln d between sieves.
     bool by_number = false;
-    std::vector<std::string> places = {};  ///< what errors call each point; none: "row 1", ...
-    std::string if_retained = "convert them to per cent finer first";  ///< remedy for a falling curve
 };
 
 using GradingLaw =
@@ -117,8 +115,8 @@ using GradingLaw =
 /// How much of the mass is finer than each size, at the start. Make one with the functions below.
 struct COMMINUTE_API Grading {
     GradingLaw law;
-    std::string unit;                ///< of the sizes, as text ("mm"); empty where sizes are relative
-    std::vector<std::string> notes;  ///< what was assumed in making it, in plain words
+    std::string unit;                ///< unit of the sizes, as text ("mm"); empty where sizes are relative
+    std::vector<std::string> notes;  ///< assumptions made in making it, in plain words
 
     /// Mass fraction of grains no larger than `size`. @throws ParameterError unless size > 0
     double finer(double size) const;
@@ -178,12 +176,13 @@ COMMINUTE_API Grading rosin_rammler(double d63, double exponent,
                                     std::optional<double> largest = std::nullopt);
 /// @param size           two or more sieve openings in any order, all different
 /// @param percent_finer  one a sieve, 0 to 100, never falling with size, 100 at the coarsest; a curve that ends at
-///                       exactly 1 is read as fractions (a note says so)
+///                       exactly 1 is read as fractions (a note says so). Errors name a point as the row of a table,
+///                       counted from 1 in the order given
 COMMINUTE_API Grading sieve_grading(const std::vector<double>& size, const std::vector<double>& percent_finer,
                                     const SieveOptions& options = {});
 ///@}
 
-/// What becomes of the exact sizes of a monodisperse or gap-graded start.
+/// Treatment of the exact sizes of a monodisperse or gap-graded start.
 enum class PointHandling {
     exact,   ///< they stay exact until they crush
     binned,  ///< they go to the bins that hold them, for engines that know bins only

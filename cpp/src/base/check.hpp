@@ -2,57 +2,63 @@
 #pragma once
 
 #include <cmath>
-#include <functional>
+#include <initializer_list>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "comminute/error.hpp"
 #include "comminute/view.hpp"
 
 namespace comminute::detail {
 
-inline std::string shape_text(Index rows, Index cols) {
-    return "(" + std::to_string(rows) + ", " + std::to_string(cols) + ")";
+std::string shape_text(Index rows, Index cols);
+
+/// An entry of a list or an array, as a step of a place; no index: the whole of it.
+Place entry(const char* list, std::initializer_list<Index> index = {});
+Place entry(const char* list, std::size_t index);
+
+/// Whether the value can be a share of the mass.
+inline bool is_share(double value) {
+    return std::isfinite(value) && value >= 0.0;
 }
 
-/// Throws ParameterError unless the value can be a share of the mass.
-inline void require_share(double value, const std::string& place) {
-    if (std::isfinite(value) && value >= 0.0) return;
-    throw ParameterError(place + " is " + text(value) +
-                         "; a share of the mass must be finite and at least 0");
-}
+/// Throws ParameterError that the value at a place is no share of the mass; the last step names the parameter.
+[[noreturn]] void refuse_share(double value, std::vector<Place> place);
 
 /// Throws ParameterError unless the total is 1, as near as sums of shares come.
-inline void require_whole(double total, const char* name) {
-    if (std::abs(total - 1.0) <= 1e-9) return;
-    throw ParameterError(std::string(name) + " adds up to " + text(total) +
-                         "; it holds the whole mass, 1. Divide it by its sum");
+void require_whole(double total, const char* name);
+
+inline constexpr const char* finite = "every entry must be finite";
+inline constexpr const char* finite_in_zone = "every entry inside the crush zone must be finite";
+
+/// Throws ParameterError that an entry is not finite.
+[[noreturn]] void refuse_not_finite(double value, Place at, const char* rule);
+
+/// Throws ParameterError unless the entry of a state is finite.
+inline void require_finite(double value, const char* state, std::initializer_list<Index> index,
+                           const char* rule = finite_in_zone) {
+    if (!std::isfinite(value)) refuse_not_finite(value, entry(state, index), rule);
 }
 
+/// Throws ShapeError unless a list has as many entries as it must; `rule` says why that many.
+void require_entries(Index found, Index wanted, const Place& list, const std::string& rule,
+                     std::vector<Place> outer = {});
+
+/// Throws ShapeError unless a list has one entry for each bin of the grid.
+void require_bins(Index found, Index bins, const Place& list, std::vector<Place> outer = {});
+
 /// Throws ShapeError unless the view is bins x bins.
+void require_square(Index rows, Index cols, Index stride, Index bins, const char* name);
 template <class T>
 void require_square(MatrixView<T> m, Index bins, const char* name) {
-    if (m.rows() == bins && m.cols() == bins && m.stride() >= m.cols()) return;
-    if (m.stride() < m.cols()) {
-        throw ShapeError(std::string(name) + " has a stride of " + std::to_string(m.stride()) + "; rows of " +
-                         std::to_string(m.cols()) + " need at least that");
-    }
-    throw ShapeError(std::string(name) + " has shape " + shape_text(m.rows(), m.cols()) +
-                     "; the grid needs " + shape_text(bins, bins));
+    require_square(m.rows(), m.cols(), m.stride(), bins, name);
 }
 
 /// Whether the memory from the first to the last entry of one view meets that of the other.
-inline bool overlap(MatrixView<const double> a, MatrixView<const double> b) {
-    const double* a_end = a.row(a.rows() - 1) + a.cols();
-    const double* b_end = b.row(b.rows() - 1) + b.cols();
-    const std::less<> before;  // a total order, also between arrays
-    return before(a.data(), b_end) && before(b.data(), a_end);
-}
+bool overlap(MatrixView<const double> a, MatrixView<const double> b);
 
 /// Throws ShapeError if the two views share memory without being the same view.
-inline void require_same_or_apart(MatrixView<const double> p, MatrixView<double> out) {
-    if (p.data() == out.data() && p.stride() == out.stride()) return;
-    if (!overlap(p, out)) return;
-    throw ShapeError("out overlaps p in part; pass p itself to step in place, or an array of its own");
-}
+void require_same_or_apart(MatrixView<const double> p, MatrixView<double> out);
 
 }  // namespace comminute::detail

@@ -7,7 +7,7 @@
 namespace comminute::detail {
 
 /// Counter-based random bits, Philox 2x64-10 (Salmon et al. 2011): a pure function of key and counter, so a draw
-/// depends on what it is for and not on when, or in which thread, it is made.
+/// depends on its use and not on when, or in which thread, it is made.
 inline std::array<std::uint64_t, 2> philox(std::uint64_t key, std::uint64_t low, std::uint64_t high) {
     for (int round = 0; round < 10; ++round) {
         __extension__ const auto product = static_cast<unsigned __int128>(low) * 0xD2B74407B1CE6E93U;
@@ -18,7 +18,7 @@ inline std::array<std::uint64_t, 2> philox(std::uint64_t key, std::uint64_t low,
     return {low, high};
 }
 
-/// What a random number is for; part of the counter, so that no two uses share a draw.
+/// Use of a random number; part of the counter, so that no two uses share a draw.
 enum class Purpose : std::uint64_t { stream, start, fragment, tie, shuffle, decision };
 
 /// Random bits for place `where` (a cell) at instant `when` of one stream.

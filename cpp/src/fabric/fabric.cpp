@@ -16,24 +16,24 @@ using namespace detail;
 
 namespace {
 
-std::string place_text(const char* list, std::size_t index, const char* field = "") {
-    return std::string(list) + "[" + std::to_string(index) + "]" + field;
-}
-
 // An exact place inside the grid and above the fines bin, whose grains have no exact size.
-void require_resolved(const LogGrid& grid, double psi, const std::string& place) {
+void require_resolved(const LogGrid& grid, double psi, const char* list, std::size_t index,
+                      const char* field) {
     if (psi >= grid.edge(1) && psi <= grid.edge(grid.bins())) return;
-    throw ParameterError(place + " is " + text(psi) + "; it must lie between " + text(grid.edge(1)) +
-                         " and " + text(grid.edge(grid.bins())) +
-                         ", inside the grid and above its fines bin");
+    throw ParameterError({.parameter = field,
+                          .value = text(psi),
+                          .number = psi,
+                          .rule = "it must lie between " + text(grid.edge(1)) + " and " +
+                                  text(grid.edge(grid.bins())) + ", inside the grid and above its fines bin",
+                          .place = {entry(list, index)}});
 }
 
 double checked_total(const LogGrid& grid, const std::vector<Atom>& atoms) {
     double total = 0.0;
     for (std::size_t a = 0; a < atoms.size(); ++a) {
-        require_resolved(grid, atoms[a].psi, place_text("atoms", a, ".psi"));
-        require_resolved(grid, atoms[a].psibar, place_text("atoms", a, ".psibar"));
-        require_share(atoms[a].mass, place_text("atoms", a, ".mass"));
+        require_resolved(grid, atoms[a].psi, "atoms", a, "psi");
+        require_resolved(grid, atoms[a].psibar, "atoms", a, "psibar");
+        if (!is_share(atoms[a].mass)) refuse_share(atoms[a].mass, {entry("atoms", a), entry("mass")});
         total += atoms[a].mass;
     }
     return total;
@@ -43,18 +43,20 @@ double checked_total(const LogGrid& grid, const std::vector<Ridge>& ridges) {
     double total = 0.0;
     for (std::size_t r = 0; r < ridges.size(); ++r) {
         const Ridge& ridge = ridges[r];
-        require_resolved(grid, ridge.at, place_text("ridges", r, ".at"));
-        if (static_cast<Index>(ridge.mass.size()) != grid.bins()) {
-            throw ShapeError(place_text("ridges", r, ".mass") + " has " + std::to_string(ridge.mass.size()) +
-                             " entries; the grid has " + std::to_string(grid.bins()) + " bins");
-        }
+        require_resolved(grid, ridge.at, "ridges", r, "at");
+        require_bins(static_cast<Index>(ridge.mass.size()), grid.bins(), entry("mass"), {entry("ridges", r)});
         for (std::size_t i = 0; i < ridge.mass.size(); ++i) {
-            require_share(ridge.mass[i], place_text("ridges", r, ".mass") + "[" + std::to_string(i) + "]");
+            if (!is_share(ridge.mass[i])) refuse_share(ridge.mass[i], {entry("ridges", r), entry("mass", i)});
             total += ridge.mass[i];
         }
         const double in_bin = ridge.mass[static_cast<std::size_t>(grid.bin_of(ridge.at))];
-        require(ridge.above >= 0.0 && ridge.above <= in_bin, "above of a ridge", ridge.above,
-                "between 0 and the mass in the bin that holds its exact size");
+        if (ridge.above >= 0.0 && ridge.above <= in_bin) continue;
+        throw ParameterError(
+            {.parameter = "above",
+             .value = text(ridge.above),
+             .number = ridge.above,
+             .rule = "it must be between 0 and the mass in the bin that holds the exact size",
+             .place = {entry("ridges", r)}});
     }
     return total;
 }
@@ -65,16 +67,18 @@ Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::vector
                std::optional<double> settled_at, Mean mean, std::vector<Ridge> ridges) {
     const Index bins = grid.bins();
     if (static_cast<Index>(probability.size()) != bins * bins) {
-        throw ShapeError("probability has " + std::to_string(probability.size()) +
-                         " entries; the grid needs shape " + shape_text(bins, bins));
+        throw ShapeError({.parameter = "probability",
+                          .value = std::to_string(probability.size()),
+                          .number = static_cast<double>(probability.size()),
+                          .finding = "has " + std::to_string(probability.size()) + " entries",
+                          .rule = "the grid needs shape " + shape_text(bins, bins)});
     }
     if (settled_at) require_stress_ratio(*settled_at);
     std::vector<double> rows(static_cast<std::size_t>(bins));
     for (Index i = 0; i < bins; ++i) {
         const ConstLine row(probability.data() + i * bins, bins);
         for (Index j = 0; j < bins; ++j) {
-            if (std::isfinite(row[j]) && row[j] >= 0.0) continue;
-            require_share(row[j], "probability[" + std::to_string(i) + ", " + std::to_string(j) + "]");
+            if (!is_share(row[j])) refuse_share(row[j], {entry("probability", {i, j})});
         }
         rows[static_cast<std::size_t>(i)] = row.sum();
     }
@@ -145,27 +149,35 @@ CarriedMarginals Fabric::carried() const {
 }
 
 Fabric Fabric::with_carried(CarriedMarginals marginals) const {
-    const auto require_close = [](double given, double own, const std::string& place) {
+    const auto require_close = [](double given, double own, const char* list, std::size_t index,
+                                  const char* field) {
         if (std::abs(given - own) <= 1e-9) return;
-        throw ParameterError(place + " of the carried marginals is " + text(given) + "; the fabric has " +
-                             text(own) + " there. Pass what `carried` gave for the same fabric");
+        Fault fault{
+            .parameter = field,
+            .value = text(given),
+            .number = given,
+            .rule = "the fabric has " + text(own) + " there, and takes back what `carried` gave of it alone",
+            .place = {entry("marginals"), entry(list, index)}};
+        throw ParameterError(fault);
     };
     const std::size_t bins = data_->rows.size();
     if (marginals.rows.size() != bins || marginals.spread.size() != bins ||
         marginals.points.size() != data_->points.size()) {
-        throw ShapeError("the carried marginals have " + std::to_string(marginals.rows.size()) + " and " +
-                         std::to_string(marginals.spread.size()) + " bins and " +
-                         std::to_string(marginals.points.size()) + " points; the fabric has " +
-                         std::to_string(bins) + " bins and " + std::to_string(data_->points.size()) +
-                         " points");
+        throw ShapeError({.parameter = "marginals",
+                          .subject = "the carried marginals",
+                          .finding = "have " + std::to_string(marginals.rows.size()) + " and " +
+                                     std::to_string(marginals.spread.size()) + " bins and " +
+                                     std::to_string(marginals.points.size()) + " points",
+                          .rule = "the fabric has " + std::to_string(bins) + " bins and " +
+                                  std::to_string(data_->points.size()) + " points"});
     }
     for (std::size_t i = 0; i < bins; ++i) {
-        require_close(marginals.rows[i], data_->rows[i], "rows[" + std::to_string(i) + "]");
-        require_close(marginals.spread[i], data_->spread[i], "spread[" + std::to_string(i) + "]");
+        require_close(marginals.rows[i], data_->rows[i], "rows", i, "rows");
+        require_close(marginals.spread[i], data_->spread[i], "spread", i, "spread");
     }
     for (std::size_t a = 0; a < marginals.points.size(); ++a) {
-        require_close(marginals.points[a].psi, data_->points[a].psi, place_text("points", a, ".psi"));
-        require_close(marginals.points[a].mass, data_->points[a].mass, place_text("points", a, ".mass"));
+        require_close(marginals.points[a].psi, data_->points[a].psi, "points", a, "psi");
+        require_close(marginals.points[a].mass, data_->points[a].mass, "points", a, "mass");
     }
     Data data = *data_;
     data.rows = std::move(marginals.rows);

@@ -103,10 +103,7 @@ std::vector<PointMass> resolved(const LogGrid& grid, const std::vector<PointMass
 
 std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const double> grainsize, Mean mean) {
     const Index bins = grid.bins();
-    if (grainsize.size() != bins) {
-        throw ShapeError("grainsize has " + std::to_string(grainsize.size()) + " entries; the grid has " +
-                         std::to_string(bins) + " bins");
-    }
+    require_bins(grainsize.size(), bins, entry("grainsize"));
     std::vector<double> pmf(static_cast<std::size_t>(bins), 0.0);
     for (Index d = 0; d < bins; ++d) {
         const MeanPlace place = place_of_mean(grid.spacing(), d, mean);
@@ -125,11 +122,11 @@ Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mea
     const Index bins = grid.bins();
     double total = 0.0;
     for (std::size_t i = 0; i < grainsize.size(); ++i) {
-        require_share(grainsize[i], "grainsize[" + std::to_string(i) + "]");
+        if (!is_share(grainsize[i])) refuse_share(grainsize[i], {entry("grainsize", i)});
         total += grainsize[i];
     }
     for (std::size_t a = 0; a < points.size(); ++a) {
-        require_share(points[a].mass, "points[" + std::to_string(a) + "].mass");
+        if (!is_share(points[a].mass)) refuse_share(points[a].mass, {entry("points", a), entry("mass")});
         (void)grid.bin_of(points[a].psi);  // refuses what lies above the grid
         total += points[a].mass;
     }

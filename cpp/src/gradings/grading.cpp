@@ -30,8 +30,11 @@ double exponential_ramp(double a, double x) {
 
 void require_ordered(double smallest, double largest) {
     if (smallest < largest) return;
-    throw ParameterError("smallest is " + text(smallest) + " and largest is " + text(largest) +
-                         "; smallest must be less than largest");
+    throw ParameterError({.parameter = "smallest",
+                          .value = text(smallest),
+                          .number = smallest,
+                          .finding = "is " + text(smallest) + " and largest is " + text(largest),
+                          .rule = "smallest must be less than largest"});
 }
 
 }  // namespace
@@ -105,9 +108,12 @@ std::vector<double> Grading::on_grid(const LogGrid& grid) const {
     const double top = std::log(largest());
     const double edge = grid.edge(grid.bins());
     if (top > edge + 1e-12 * std::max(1.0, std::abs(edge))) {
-        throw ParameterError("the largest grain, " + text(largest()) + ", lies above the grid's top edge, " +
-                             text(std::exp(edge)) +
-                             "; raise psi_max, or leave the grid out to have it sized from the grading");
+        throw ParameterError({.parameter = "largest",
+                              .value = text(largest()),
+                              .number = largest(),
+                              .subject = "the largest grain, " + text(largest()) + ",",
+                              .finding = "lies above the grid's top edge, " + text(std::exp(edge)),
+                              .remedy = Remedy::size_grid_automatically});
     }
     std::vector<double> pmf(static_cast<std::size_t>(grid.bins()), 0.0);
     if (const auto* points = std::get_if<PointMasses>(&law)) {
@@ -135,8 +141,11 @@ Grading gap_graded(double coarse, double fine, double coarse_share) {
     require_size("fine", fine);
     require(coarse_share >= 0.0 && coarse_share <= 1.0, "coarse_share", coarse_share, "between 0 and 1");
     if (!(fine < coarse)) {
-        throw ParameterError("fine is " + text(fine) + " and coarse is " + text(coarse) +
-                             "; fine must be less than coarse");
+        throw ParameterError({.parameter = "fine",
+                              .value = text(fine),
+                              .number = fine,
+                              .finding = "is " + text(fine) + " and coarse is " + text(coarse),
+                              .rule = "fine must be less than coarse"});
     }
     if (coarse_share == 0.0) return monodisperse(fine);
     if (coarse_share == 1.0) return monodisperse(coarse);

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <type_traits>
+#include <utility>
 
-#include "comminute/error.hpp"
+#include "base/check.hpp"
 #include "comminute/grading.hpp"
 
 namespace comminute {
+
+using namespace detail;
 
 namespace {
 
@@ -40,21 +44,28 @@ double first_at_least(const Law& law, double share) {
     return std::exp(high);
 }
 
-void require_bins(const LogGrid& grid, VectorView<const double> cdf) {
-    if (cdf.size() == grid.bins()) return;
-    throw ShapeError("cdf has " + std::to_string(cdf.size()) + " entries; the grid has " +
-                     std::to_string(grid.bins()) + " bins");
-}
-
 void require_rising(VectorView<const double> cdf) {
     for (Index i = 0; i < cdf.size(); ++i) {
         const double before = i > 0 ? cdf[i - 1] : 0.0;
         if (cdf[i] >= before - rounding && std::isfinite(cdf[i])) continue;
-        throw ParameterError(
-            "cdf[" + std::to_string(i) + "] is " + text(cdf[i]) + " after " + text(before) +
-            "; a cdf is 0 or more and never falls. Pass the mass fraction finer, not the mass of "
-            "each bin");
+        throw ParameterError({.parameter = "cdf",
+                              .value = text(cdf[i]),
+                              .number = cdf[i],
+                              .finding = "is " + text(cdf[i]) + " after " + text(before),
+                              .rule = "a cdf is 0 or more and never falls",
+                              .place = {entry("cdf", {i})},
+                              .remedy = Remedy::cumulate_masses});
     }
+}
+
+/// The fault of a percentile that a curve does not reach.
+Fault percentile_fault(double percent, std::string finding, Remedy remedy) {
+    return {.parameter = "percent",
+            .value = text(percent),
+            .number = percent,
+            .subject = "D" + text(percent),
+            .finding = std::move(finding),
+            .remedy = remedy};
 }
 
 double tail_slope(const LogGrid& grid, VectorView<const double> cdf) {
@@ -82,7 +93,7 @@ double CurvePoints::first_at_least(double share) const {
 
 CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
                           const std::vector<PointMass>& points) {
-    require_bins(grid, cdf);
+    require_bins(cdf.size(), grid.bins(), entry("cdf"));
     require_rising(cdf);
     CurvePoints curve;
     curve.tail_slope = tail_slope(grid, cdf);
@@ -98,7 +109,7 @@ CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
         double spread = cdf[i] - before;
         const auto first = point;
         for (; point != points.end() && grid.bin_of(point->psi) == i; ++point) spread -= point->mass;
-        double exact = 0.0;  // of the finer exact sizes in the bin
+        double exact = 0.0;  // mass of the finer exact sizes in the bin
         for (auto jump = first; jump != point; ++jump) {
             const double below = before + spread * (jump->psi - grid.edge(i)) / grid.spacing() + exact;
             exact += jump->mass;
@@ -118,10 +129,12 @@ double Grading::percentile(double percent, bool extrapolate) const {
     const double share = percent / 100.0;
     const auto* curve = std::get_if<SieveCurve>(&law);
     if (curve != nullptr && share < curve->finer_than.front() - rounding && !extrapolate) {
-        throw ParameterError(
-            "D" + text(percent) + " lies below the finest sieve, " + text(curve->size.front()) +
-            (unit.empty() ? "" : " " + unit) + ", which " + rounded(100.0 * curve->finer_than.front()) +
-            " % are finer than; add finer sieves, or pass extrapolate = true to follow the tail");
+        const std::string sieve = text(curve->size.front()) + (unit.empty() ? "" : " " + unit);
+        throw ParameterError(percentile_fault(percent,
+                                              "lies below the finest sieve, " + sieve + ", which " +
+                                                  rounded(100.0 * curve->finer_than.front()) +
+                                                  " % are finer than",
+                                              Remedy::extrapolate));
     }
     return std::visit(
         [&](const auto& l) {
@@ -166,21 +179,23 @@ CurvePoints Grading::points(Index count) const {
 double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate,
                   const std::vector<PointMass>& points) {
     require(percent >= 0.0 && percent <= 100.0, "percent", percent, "between 0 and 100");
-    require_bins(grid, cdf);
+    require_bins(cdf.size(), grid.bins(), entry("cdf"));
     require_rising(cdf);
     const double finer = percent / 100.0;
-    const std::string name = "D" + text(percent);
     const auto* bin = std::find_if(cdf.begin(), cdf.end(), [&](double f) { return f >= finer - rounding; });
     if (bin == cdf.end()) {
-        throw ParameterError(name + " lies above the largest size: only " +
-                             rounded(100.0 * cdf[cdf.size() - 1]) + " % are finer");
+        const std::string all = rounded(100.0 * cdf[cdf.size() - 1]);
+        throw ParameterError(percentile_fault(
+            percent, "lies above the largest size: only " + all + " % are finer", Remedy::none));
     }
     if (bin == cdf.begin()) {
         const CurvePoints curve = curve_on_grid(grid, cdf, points);
         if (extrapolate && finer > 0.0 && curve.tail_slope > 0.0) return curve.first_at_least(finer);
-        throw ParameterError(name + " lies in the fines bin, which holds " + rounded(100.0 * cdf[0]) +
-                             " % below a size of " + rounded(std::exp(grid.edge(1))) +
-                             "; lower psi_min to resolve it, or pass extrapolate = true");
+        throw ParameterError(percentile_fault(percent,
+                                              "lies in the fines bin, which holds " +
+                                                  rounded(100.0 * cdf[0]) + " % below a size of " +
+                                                  rounded(std::exp(grid.edge(1))),
+                                              extrapolate ? Remedy::lower_psi_min : Remedy::resolve_fines));
     }
     return curve_on_grid(grid, cdf, points).first_at_least(finer);
 }

@@ -36,8 +36,12 @@ void require_cells(Index cells) {
 double relative_psi(double size, double reference_size) {
     const double psi = std::log(size / reference_size);
     if (std::abs(psi) <= largest_log_ratio) return psi;
-    throw ParameterError("a size is " + text(size) + " and reference_size is " + text(reference_size) +
-                         "; their ratio must be between e^-700 and e^700");
+    throw ParameterError({.parameter = "size",
+                          .value = text(size),
+                          .number = size,
+                          .subject = "a size",
+                          .finding = "is " + text(size) + " and reference_size is " + text(reference_size),
+                          .rule = "their ratio must be between e^-700 and e^700"});
 }
 
 LatticeRing ring_of(std::size_t cells, Index replica, const LatticeOptions& options) {
@@ -93,8 +97,11 @@ LatticeState::LatticeState(VectorView<const double> sizes, Material material, co
     require_cells(sizes.size());
     for (Index c = 0; c < sizes.size(); ++c) {
         if (sizes[c] > 0.0 && std::isfinite(sizes[c])) continue;
-        throw ParameterError("sizes[" + std::to_string(c) + "] is " + text(sizes[c]) +
-                             "; it must be greater than 0 and finite");
+        throw ParameterError({.parameter = "sizes",
+                              .value = text(sizes[c]),
+                              .number = sizes[c],
+                              .rule = "it must be greater than 0 and finite",
+                              .place = {entry("sizes", {c})}});
     }
     for (Index replica = 0; replica < options.replicas; ++replica) {
         rings_.push_back(ring_of(static_cast<std::size_t>(sizes.size()), replica, options_));
@@ -113,9 +120,12 @@ LatticeState::LatticeState(std::vector<LatticeRing> rings, Material material, co
             static_cast<double>(options.replicas), "the number of rings");
     for (const auto& ring : rings_) {
         require_cells(static_cast<Index>(ring.cells.size()));
-        if (ring.cells.size() != rings_.front().cells.size() || ring.crushes.size() != ring.cells.size())
-            throw ShapeError(
-                "the rings differ in length; all must have the same number of cells and of crush counts");
+        if (ring.cells.size() != rings_.front().cells.size() || ring.crushes.size() != ring.cells.size()) {
+            throw ShapeError({.parameter = "rings",
+                              .subject = "the rings",
+                              .finding = "differ in length",
+                              .rule = "all must have the same number of cells and of crush counts"});
+        }
     }
 }
 
@@ -130,8 +140,12 @@ void LatticeState::require_load(double stress_ratio) const {
     require_stress_ratio(stress_ratio);
     const double largest = 3.0 / material_.weibull_modulus * largest_log_ratio;
     if (std::log(stress_ratio) <= largest) return;
-    throw ParameterError("stress_ratio is " + text(stress_ratio) + "; it must be at most e^" + text(largest) +
-                         ": more crushes grains below e^-700 of reference_size, which a double cannot hold");
+    throw ParameterError(
+        {.parameter = "stress_ratio",
+         .value = text(stress_ratio),
+         .number = stress_ratio,
+         .rule = "it must be at most e^" + text(largest) +
+                 ": more crushes grains below e^-700 of reference_size, which a double cannot hold"});
 }
 
 std::uint64_t LatticeState::total_crushes() const {
@@ -214,8 +228,13 @@ bool Lattice::load_ring(LatticeRing& ring, double stress_ratio, const std::funct
 }
 
 const std::vector<Avalanche>& Lattice::avalanches(Index replica) const {
-    if (!options().record_avalanches)
-        throw ParameterError("avalanches were not recorded; set record_avalanches when the lattice is made");
+    if (!options().record_avalanches) {
+        throw ParameterError({.parameter = "record_avalanches",
+                              .value = "false",
+                              .subject = "avalanches",
+                              .finding = "were not recorded",
+                              .remedy = Remedy::record_avalanches});
+    }
     return rings()[checked(replica)].avalanches;
 }
 

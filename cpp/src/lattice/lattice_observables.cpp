@@ -39,10 +39,8 @@ LatticeEstimate estimate(const std::vector<std::vector<double>>& samples) {
 
 void LatticeState::psi(Index replica, VectorView<double> out) const {
     const auto& cells = rings_[checked(replica)].cells;
-    if (out.size() != static_cast<Index>(cells.size())) {
-        throw ShapeError("out has " + std::to_string(out.size()) + " entries; the ring has " +
-                         std::to_string(cells.size()) + " cells");
-    }
+    const auto length = static_cast<Index>(cells.size());
+    require_entries(out.size(), length, entry("out"), "the ring has " + std::to_string(length) + " cells");
     const double origin = std::log(material_.reference_size);
     std::transform(cells.begin(), cells.end(), out.begin(),
                    [&](const LatticeCell& c) { return c.psi + origin; });

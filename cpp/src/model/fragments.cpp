@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/arrays.hpp"
+#include "base/check.hpp"
 #include "base/gauss.hpp"
 #include "base/normal.hpp"
 #include "comminute/error.hpp"
@@ -208,10 +209,8 @@ std::vector<double> TabulatedFragments::kinks() const {
 }
 
 void TabulatedFragments::validate() const {
-    if (x.size() != finer.size()) {
-        throw ShapeError("x has " + std::to_string(x.size()) + " entries and finer has " +
-                         std::to_string(finer.size()) + "; give one share for each x");
-    }
+    require_entries(static_cast<Index>(finer.size()), static_cast<Index>(x.size()), entry("finer"),
+                    "it must have one share for each of the " + std::to_string(x.size()) + " x");
     require(x.size() >= 2, "the number of points", static_cast<double>(x.size()), "at least 2");
     for (std::size_t q = 0; q < x.size(); ++q) {
         require(x[q] > (q == 0 ? 0.0 : x[q - 1]), "x", x[q], "rising and greater than 0");

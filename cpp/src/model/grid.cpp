@@ -13,8 +13,11 @@ LogGrid::LogGrid(double psi_min, double psi_max, Index bins)
     require(std::isfinite(psi_min), "psi_min", psi_min, "finite");
     require(std::isfinite(psi_max), "psi_max", psi_max, "finite");
     if (!(psi_min < psi_max)) {
-        throw ParameterError("psi_min is " + text(psi_min) + " and psi_max is " + text(psi_max) +
-                             "; psi_min must be less than psi_max");
+        throw ParameterError({.parameter = "psi_min",
+                              .value = text(psi_min),
+                              .number = psi_min,
+                              .finding = "is " + text(psi_min) + " and psi_max is " + text(psi_max),
+                              .rule = "psi_min must be less than psi_max"});
     }
     require(bins >= 8, "bins", static_cast<double>(bins), "at least 8");
 }
@@ -23,8 +26,12 @@ Index LogGrid::bin_of(double psi) const {
     const double top = edge(bins_);
     const double rounding = 1e-12 * std::max({1.0, std::abs(psi_min_), std::abs(psi_max_)});
     if (!(psi <= top + rounding)) {
-        throw ParameterError("a log size of " + text(psi) + " lies above the grid's top edge, " + text(top) +
-                             "; raise psi_max");
+        throw ParameterError({.parameter = "psi",
+                              .value = text(psi),
+                              .number = psi,
+                              .subject = "a log size of " + text(psi),
+                              .finding = "lies above the grid's top edge, " + text(top),
+                              .remedy = Remedy::raise_psi_max});
     }
     const double bin = std::floor((psi - edge(0)) / spacing());
     return static_cast<Index>(std::clamp(bin, 0.0, static_cast<double>(bins_ - 1)));

@@ -22,9 +22,11 @@ void Material::validate() const {
 
 double Material::stress_ratio(double stress) const {
     if (!first_crush_stress) {
-        throw ParameterError(
-            "a stress is given but first_crush_stress is not set; set it on the Material, or give "
-            "stress_ratio");
+        throw ParameterError({.parameter = "stress",
+                              .value = text(stress),
+                              .number = stress,
+                              .rule = "it needs first_crush_stress, which is not set",
+                              .remedy = Remedy::set_first_crush_stress});
     }
     require(stress >= 0.0, "stress", stress, "a number of at least 0");
     return stress / *first_crush_stress;

@@ -18,13 +18,10 @@ using namespace detail;
 
 namespace {
 
-void require_finite(MatrixView<const double> p) {
+void require_all_finite(MatrixView<const double> p) {
     for (Index i = 0; i < p.rows(); ++i) {
         if (all_finite(p.row(i), p.cols())) continue;
-        const double* bad =
-            std::find_if_not(p.row(i), p.row(i) + p.cols(), [](double v) { return std::isfinite(v); });
-        throw ParameterError("p[" + std::to_string(i) + ", " + std::to_string(bad - p.row(i)) + "] is " +
-                             text(*bad) + "; every entry must be finite");
+        for (Index j = 0; j < p.cols(); ++j) require_finite(p(i, j), "p", {i, j}, finite);
     }
 }
 
@@ -42,10 +39,10 @@ struct FullConvolution::Workspace {
         if (sums->available()) return;
         sums.reset();
         if (path == StepPath::sums) {
-            throw ParameterError(
-                "path is sums, but these fragments have no accurate exponential sum on this grid; use "
-                "automatic or "
-                "transforms");
+            throw ParameterError({.parameter = "path",
+                                  .value = "sums",
+                                  .rule = "these fragments have no accurate exponential sum on this grid",
+                                  .remedy = Remedy::choose_path});
         }
     }
 
@@ -53,10 +50,9 @@ struct FullConvolution::Workspace {
 #ifdef COMMINUTE_HAS_FFTW
         transforms.emplace(kernel, effort);
 #else
-        throw UnavailableError(
-            "FullConvolution needs FFTW for this, which this build of comminute leaves out; install "
-            "libfftw3-dev and "
-            "build with -DCOMMINUTE_WITH_FFTW=ON, or use SlowUpdate, which needs none");
+        throw UnavailableError({.subject = "FullConvolution",
+                                .finding = "needs FFTW for this, which this build of comminute leaves out",
+                                .remedy = Remedy::build_with_fftw});
 #endif
     }
 
@@ -80,7 +76,7 @@ StepReport FullConvolution::step(MatrixView<const double> p, double stress_ratio
     require_square(p, work_->kernel.grid().bins(), "p");
     require_square(out, work_->kernel.grid().bins(), "out");
     require_same_or_apart(p, out);
-    require_finite(p);
+    require_all_finite(p);
     work_->zones.set_load(stress_ratio);
     work_->runs.set_load();
 #ifdef COMMINUTE_HAS_FFTW

@@ -29,9 +29,11 @@ Kernel::Kernel(const LogGrid& grid, const Material& material, KernelKind kind, d
     material_.validate();
     require(loading_rate >= 0.0 && loading_rate <= 1.0, "loading_rate", loading_rate, "between 0 and 1");
     if (kind != KernelKind::blend && loading_rate != 0.0) {
-        throw ParameterError(
-            "loading_rate is " + text(loading_rate) +
-            " but the kernel is not a blend; use kind \"blend\", or leave loading_rate at 0");
+        throw ParameterError({.parameter = "loading_rate",
+                              .value = text(loading_rate),
+                              .number = loading_rate,
+                              .rule = "a rate belongs to the blend of kernels, and this one is no blend",
+                              .remedy = Remedy::use_blend_kernel});
     }
     fragments_ = fragment_pmf(material_.fragments, grid_.spacing(), grid_.bins(), rule);
 }

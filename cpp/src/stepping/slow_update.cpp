@@ -18,12 +18,6 @@ namespace {
 
 constexpr Index lifted_at_once = 1 << 15;  // masses, 256 KiB
 
-void require_finite(double mass, Index i, Index j) {
-    if (std::isfinite(mass)) return;
-    throw ParameterError("p[" + std::to_string(i) + ", " + std::to_string(j) + "] is " + text(mass) +
-                         "; every entry inside the crush zone must be finite");
-}
-
 }  // namespace
 
 struct SlowUpdate::Work {
@@ -83,20 +77,20 @@ void SlowUpdate::Work::look(MatrixView<const double> p) {
             const double by_psi = p(m, j);
             const double by_psibar = p(j, m);
             if (by_psi != 0.0) {
-                require_finite(by_psi, m, j);
+                require_finite(by_psi, "p", {m, j});
                 if (row.begin == m) row.begin = j;
                 row.end = j + 1;
                 report.crushed += by_psi;
             }
             if (by_psibar != 0.0) {
-                require_finite(by_psibar, j, m);
+                require_finite(by_psibar, "p", {j, m});
                 if (column.begin == m) column.begin = j;
                 column.end = j + 1;
                 report.crushed_neighbour += by_psibar;
             }
         }
         if (first <= m) {
-            require_finite(p(m, m), m, m);
+            require_finite(p(m, m), "p", {m, m});
             report.crushed += 0.5 * p(m, m);
             report.crushed_neighbour += 0.5 * p(m, m);
         }

@@ -33,29 +33,35 @@ bool moves(const Batch& batch, Index b) {
 }
 
 void require_count(Index found, Index count, const char* list) {
-    if (found == count) return;
-    throw ShapeError(std::string(list) + " has " + std::to_string(found) + " entries; there are " +
-                     std::to_string(count) + " states");
+    require_entries(found, count, entry(list), "there are " + std::to_string(count) + " states");
 }
 
 void require_loads(VectorView<const double> loads, const char* list) {
     for (Index b = 0; b < loads.size(); ++b) {
         if (loads[b] >= 0.0) continue;
-        const std::string place = std::string(list) + "[" + std::to_string(b) + "]";
-        require(false, place.c_str(), loads[b], "a number of at least 0 (0 is no load)");
+        throw ParameterError({.parameter = list,
+                              .value = text(loads[b]),
+                              .number = loads[b],
+                              .rule = "it must be a number of at least 0 (0 is no load)",
+                              .place = {entry(list, {b})}});
     }
 }
 
 template <class T>
 void require_stack(StackView<T> stack, Index count, Index bins, const char* name) {
     if (stack.count() != count || stack.bins() != bins) {
-        throw ShapeError(std::string(name) + " holds " + std::to_string(stack.count()) + " states of shape " +
-                         shape_text(stack.bins(), stack.bins()) + "; it must hold " + std::to_string(count) +
-                         " of shape " + shape_text(bins, bins));
+        throw ShapeError(
+            {.parameter = name,
+             .finding = "holds " + std::to_string(stack.count()) + " states of shape " +
+                        shape_text(stack.bins(), stack.bins()),
+             .rule = "it must hold " + std::to_string(count) + " of shape " + shape_text(bins, bins)});
     }
     if (stack.stride() >= bins * bins) return;
-    throw ShapeError(std::string(name) + " has a stride of " + std::to_string(stack.stride()) +
-                     "; states of " + std::to_string(bins * bins) + " numbers need at least that");
+    throw ShapeError({.parameter = name,
+                      .value = std::to_string(stack.stride()),
+                      .number = static_cast<double>(stack.stride()),
+                      .finding = "has a stride of " + std::to_string(stack.stride()),
+                      .rule = "states of " + std::to_string(bins * bins) + " numbers need at least that"});
 }
 
 // For what is said of memory alone: a row for every state.
@@ -94,9 +100,7 @@ class FiniteCheck {
     void refuse(Index b) const {
         const ActiveBand own = zone_of(b);
         const auto [i, j] = *first_bad(b, &own);
-        throw ParameterError("states[" + std::to_string(b) + ", " + std::to_string(i) + ", " +
-                             std::to_string(j) + "] is " + text(batch_.states[b](i, j)) +
-                             "; every entry inside the crush zone must be finite");
+        require_finite(batch_.states[b](i, j), "states", {b, i, j});
     }
 
   private:
@@ -158,12 +162,15 @@ bool BatchSolver::marginal(const Batch& batch, MatrixView<double> grainsize, Vec
     const Index bins = solver().grid().bins();
     require_fit(batch, reports, options);
     if (grainsize.rows() != batch.states.count() || grainsize.cols() != bins || grainsize.stride() < bins) {
-        throw ShapeError("grainsize has shape " + shape_text(grainsize.rows(), grainsize.cols()) +
-                         ", rows a stride of " + std::to_string(grainsize.stride()) +
-                         " apart; it must have " + shape_text(batch.states.count(), bins));
+        throw ShapeError({.parameter = "grainsize",
+                          .value = shape_text(grainsize.rows(), grainsize.cols()),
+                          .finding = "has shape " + shape_text(grainsize.rows(), grainsize.cols()) +
+                                     ", rows a stride of " + std::to_string(grainsize.stride()) + " apart",
+                          .rule = "it must have " + shape_text(batch.states.count(), bins)});
     }
     if (grainsize.rows() > 0 && overlap(by_state(batch.states), grainsize)) {
-        throw ShapeError("grainsize overlaps the states; pass memory of its own");
+        throw ShapeError(
+            {.parameter = "grainsize", .finding = "overlaps the states", .remedy = Remedy::use_own_memory});
     }
     return run(batch, options, [&](QuasiStatic& worker, Index b) {
         const VectorView<double> to(grainsize.row(b), bins);
@@ -203,7 +210,7 @@ bool BatchSolver::run(const Batch& batch, const BatchOptions& options, const Wor
         try {
             work(worker, b);
         } catch (const ParameterError& error) {
-            throw ParameterError("states[" + std::to_string(b) + "]: " + error.what());
+            throw ParameterError(within(entry("states", {b}), error.fault()));
         }
     });
 }

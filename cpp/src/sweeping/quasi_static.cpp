@@ -57,6 +57,11 @@ void move_fragments(const CrushTable& table, const std::vector<double>& crushed,
     }
 }
 
+std::string span_text(const LogGrid& grid) {
+    return "from " + text(grid.psi_min()) + " to " + text(grid.psi_max()) + " in " +
+           std::to_string(grid.bins()) + " bins";
+}
+
 }  // namespace
 
 struct QuasiStatic::Work {
@@ -123,18 +128,18 @@ struct QuasiStatic::Work {
         return widest > by_sums.head + 2 ? by_sums : bin_by_bin;  // by measurement
     }
 
-    void require_finite(MatrixView<const double> state, double crushed) const {
+    /// Refuses a state whose crushed mass, a sum over the zone, is not finite, by the entry that makes it so.
+    void require_finite_sum(MatrixView<const double> state, double crushed) const {
         if (std::isfinite(crushed)) return;
         for (Index i = 0; i < grid.bins(); ++i) {
             for (Index j = 0; j < grid.bins(); ++j) {
-                if (std::isfinite(state(i, j)) || std::abs(i - j) > after.last(std::max(i, j))) continue;
-                throw ParameterError("state[" + std::to_string(i) + ", " + std::to_string(j) + "] is " +
-                                     text(state(i, j)) +
-                                     "; every entry inside the crush zone must be finite");
+                if (std::abs(i - j) <= after.last(std::max(i, j)))
+                    require_finite(state(i, j), "state", {i, j});
             }
         }
-        throw ParameterError(
-            "the state's masses add up to more than a number can hold; scale it to a total of 1");
+        throw ParameterError({.parameter = "state",
+                              .finding = "adds up to more than a number can hold",
+                              .rule = "it must be scaled to a total of 1"});
     }
 
     /// Brings the bins to rest. `rows`, where it is wanted, is their marginal before and after.
@@ -146,7 +151,7 @@ struct QuasiStatic::Work {
             const MatrixView<double> to =
                 out != nullptr ? *out : MatrixView<double>(scratch.data(), grid.bins(), grid.bins());
             blend.run(before, after, state, arrivals, to);
-            require_finite(state, blend.crushed() + blend.crushed_neighbour());
+            require_finite_sum(state, blend.crushed() + blend.crushed_neighbour());
             if (rows != nullptr) *rows = row_sums(to);
             report.path = SolvePath::blend;
             report.crushed = blend.crushed();
@@ -155,7 +160,7 @@ struct QuasiStatic::Work {
         }
         const CrushTable& by = table();
         sweep.run(by, before, after, state, arrivals, out);
-        require_finite(state, sweep.crushed() + sweep.crushed_neighbour());
+        require_finite_sum(state, sweep.crushed() + sweep.crushed_neighbour());
         if (out != nullptr) sweep.far_field(by, state, arrivals, *out);
         if (rows != nullptr) move_marginal(by, arrivals, *rows);
         report.path = by.terms > 0 ? SolvePath::sums : SolvePath::direct;
@@ -199,11 +204,11 @@ struct QuasiStatic::Work {
 
     Fabric known(const Fabric& state) const {
         if (state.grid() != grid) {
-            throw ParameterError("the fabric's grid runs from " + text(state.grid().psi_min()) + " to " +
-                                 text(state.grid().psi_max()) + " in " + std::to_string(state.grid().bins()) +
-                                 " bins; the solver's runs from " + text(grid.psi_min()) + " to " +
-                                 text(grid.psi_max()) + " in " + std::to_string(grid.bins()) +
-                                 ". Make the solver with fabric.grid()");
+            throw ParameterError({.parameter = "state",
+                                  .subject = "the fabric's grid",
+                                  .finding = "runs " + span_text(state.grid()),
+                                  .rule = "the solver's runs " + span_text(grid),
+                                  .remedy = Remedy::use_same_grid});
         }
         return scheme == Scheme::paper ? state.binned() : state;
     }
@@ -218,8 +223,9 @@ QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, Scheme s
     material.validate();
     require(loading_rate >= 0.0 && loading_rate <= 1.0, "loading_rate", loading_rate, "between 0 and 1");
     if (path == SolvePath::blend || path == SolvePath::none) {
-        throw ParameterError(std::string("path is ") + (path == SolvePath::blend ? "blend" : "none") +
-                             ", which a solve only reports; ask for automatic, direct or sums");
+        throw ParameterError({.parameter = "path",
+                              .value = path == SolvePath::blend ? "blend" : "none",
+                              .rule = "a solve only reports that; it must be automatic, direct or sums"});
     }
     work_ = std::make_unique<Work>(grid, material, scheme, loading_rate, path);
 }
@@ -300,10 +306,7 @@ SolveReport QuasiStatic::marginal(MatrixView<const double> state, double stress_
     require_square(state, grid().bins(), "state");
     require_stress_ratio(stress_ratio);
     if (settled_at) require_stress_ratio(*settled_at);
-    if (grainsize.size() != grid().bins()) {
-        throw ShapeError("grainsize has " + std::to_string(grainsize.size()) + " entries; the grid has " +
-                         std::to_string(grid().bins()) + " bins");
-    }
+    require_bins(grainsize.size(), grid().bins(), entry("grainsize"));
     std::vector<double> rows = row_sums(state);
     SolveReport report;
     if (!settled_at || stress_ratio > *settled_at) {

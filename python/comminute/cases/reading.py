@@ -13,14 +13,15 @@ import numpy as np
 from pydantic import ValidationError
 
 from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, fitting_grid
-from comminute.cases.messages import explained
+from comminute.cases.messages import WORDS, explained, table_place
 from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, MaterialTable, Sieves
 from comminute.cases.load_files import read_loads
 from comminute.gradings.reading import Reading, SieveData, read_sieves
-from comminute.gradings.sieves import convert, unit_of
+from comminute.gradings.sieves import IN_MM, convert, unit_of
 from comminute.runs.load_path import load_path
 from comminute.runs.recipe import law_of
 from comminute.simulation import Simulation
+from comminute.util.errors import parameter_error, reworded, wrong_file
 from comminute.util.names import is_file, shorten
 
 if TYPE_CHECKING:
@@ -69,22 +70,18 @@ def read_case(path: Path) -> list[ReadyCase]:
     Raises
     ------
     ParameterError
-        Naming file, table, key and value, the rule, and the remedy.
+        For a case that cannot run; it names file, table, key and value, the rule, and the remedy.
     """
     if not is_file(path):
-        raise ParameterError(
-            f"{shorten(str(path), 200)} is no file; give a case file (.toml); comminute new DIR makes one"
-        )
+        raise wrong_file(str(path), "is no file", "give a case file (.toml); comminute new DIR makes one")
     if path.stat().st_size > MOST_BYTES:
-        raise ParameterError(f"{path.name} has {path.stat().st_size / 1e6:.0f} MB; a case file has a few lines")
+        raise wrong_file(path.name, f"has {path.stat().st_size / 1e6:.0f} MB", "a case file has a few lines")
     try:
         raw = tomllib.loads(path.read_bytes().decode("utf-8-sig").replace("\r\n", "\n"))
     except UnicodeDecodeError:
-        raise ParameterError(f"{path.name} is not UTF-8 text; save it as such") from None
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise ParameterError(f"{path.name} is no TOML: {shorten(str(error), 120)}") from None
-    except ValueError as error:  # dates and numbers that no calendar or machine has
-        raise ParameterError(f"{path.name} is no TOML: {shorten(str(error), 120)}") from None
+        raise wrong_file(path.name, "is not UTF-8 text", "save it as such") from None
+    except (ValueError, RecursionError) as error:  # TOML's own, and dates and numbers that no calendar or machine has
+        raise wrong_file(path.name, f"is no TOML: {shorten(str(error), 120)}", "") from None
     runs = _sweep(raw, path.name)
     cases = []
     for number, (table, varied) in enumerate(runs, 1):
@@ -109,7 +106,8 @@ def _sweep(raw: dict[str, Any], name: str) -> list[tuple[dict[str, Any], dict[st
                 look(value, (*where, key))
             elif isinstance(value, list) and key not in LISTS and not any(isinstance(v, dict | list) for v in value):
                 if not value:
-                    raise ParameterError(f"{name} [{'.'.join(where)}] {key} is an empty list; a sweep needs values")
+                    place = table_place(name, *where)
+                    raise parameter_error(key, "an empty list", "a sweep needs values", place=place)
                 axes.append(((*where, key), value))
 
     for section in SWEPT:
@@ -119,7 +117,8 @@ def _sweep(raw: dict[str, Any], name: str) -> list[tuple[dict[str, Any], dict[st
         return [(raw, {})]
     count = int(np.prod([float(len(values)) for _, values in axes]))
     if count > MOST_RUNS:
-        raise ParameterError(f"{name}: the lists make {count} runs; a sweep may have {MOST_RUNS}")
+        rule = f"a sweep may have {MOST_RUNS}"
+        raise parameter_error(subject="the lists", finding=f"make {count} runs", rule=rule, place=name)
     runs = []
     for values in itertools.product(*(values for _, values in axes)):
         table = json.loads(json.dumps(raw, default=str))
@@ -135,16 +134,20 @@ def _sweep(raw: dict[str, Any], name: str) -> list[tuple[dict[str, Any], dict[st
 def _target(path: Path, file: str, number: int, runs: int) -> Path:
     target = path.parent / file
     if target.suffix != ".nc":
-        raise ParameterError(f"{path.name} [output] file is '{shorten(file)}'; it must end in .nc")
+        raise _wrong_key(path, "output", "file", f"'{shorten(file)}'", "it must end in .nc")
     try:
         target.exists()  # a name that no file can have raises here
         reachable = target.parent.is_dir()
     except (OSError, ValueError):
         reachable = False
     if not reachable:
-        raise ParameterError(f"{path.name} [output] file is '{shorten(file)}'; its folder does not exist")
+        raise _wrong_key(path, "output", "file", f"'{shorten(file)}'", "its folder does not exist")
     width = len(str(runs))
     return target if runs == 1 else target.with_name(f"{target.stem}-{number:0{width}}{target.suffix}")
+
+
+def _wrong_key(path: Path, table: str, key: str, value: object, rule: str, finding: str = "") -> ParameterError:
+    return parameter_error(key, value, rule, finding=finding, place=table_place(path.name, table))
 
 
 def _validated(raw: dict[str, Any], name: str) -> Case:
@@ -152,7 +155,9 @@ def _validated(raw: dict[str, Any], name: str) -> Case:
     if isinstance(grading, dict) and "kind" not in grading:
         if "file" not in grading:
             kinds = ", ".join((*MAKERS, "sieves"))
-            raise ParameterError(f'{name} [grading]: give file = "sand.csv" or kind, one of {kinds}')
+            rule = f'give file = "sand.csv" or kind, one of {kinds}'
+            place = table_place(name, "grading")
+            raise parameter_error("grading", subject="no grading", finding="is named", rule=rule, place=place)
         raw = raw | {"grading": {"kind": "file"} | grading}
     fragments = raw.get("material", {}).get("fragments") if isinstance(raw.get("material"), dict) else None
     if isinstance(fragments, dict) and "law" not in fragments:
@@ -160,7 +165,7 @@ def _validated(raw: dict[str, Any], name: str) -> Case:
     try:
         return Case.model_validate(raw)
     except ValidationError as error:
-        raise ParameterError(explained(error, raw, name)) from None
+        raise explained(error, raw, name) from None
 
 
 def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> ReadyCase:
@@ -185,19 +190,17 @@ def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> Read
     if not isinstance(case.output.fabrics, str):
         for k in case.output.fabrics:
             if not 0 <= k < ratios.size:
-                raise ParameterError(
-                    f"{name} [output] fabrics has {k}; it must hold indices of loads, 0 to {ratios.size - 1}"
-                )
+                rule = f"it must hold indices of loads, 0 to {ratios.size - 1}"
+                raise _wrong_key(path, "output", "fabrics", k, rule, finding=f"has {k}")
     return ready
 
 
 def _in_table(name: str, table: str, make: Callable[[], Made]) -> Made:
-    """Make something whose errors say in which table of which file."""
+    """Make something whose errors name the table and the file that it comes from."""
     try:
         return make()
     except (ParameterError, ShapeError) as error:
-        message = str(error).replace("set it on the Material", "set it in [material]")
-        raise ParameterError(f"{name} [{table}]: {message}") from None
+        raise reworded(error, outer=table_place(name, table), words=WORDS) from None
 
 
 def _require_reference_size(case: Case, name: str) -> None:
@@ -206,10 +209,9 @@ def _require_reference_size(case: Case, name: str) -> None:
     if measured and "reference_size" not in case.material.model_fields_set:
         unit = case.units.size
         one = f"{convert(1.0, 'mm', unit):.6g}" if unit_of(unit) else "1"
-        raise ParameterError(
-            f"{name} [material]: reference_size is missing, the size to which stress ratios and first_crush_stress refer; "
-            f"sizes are in {unit}, so add the line reference_size = {one} (for 1 {'mm' if unit_of(unit) else unit}) or another"
-        )
+        rule = "stress ratios and first_crush_stress refer to it, and a measured grading has sizes in a unit: add the line "
+        rule += f"reference_size = {one} (in {unit}: 1 {'mm' if unit_of(unit) else unit}, or the size that they refer to)"
+        raise parameter_error("reference_size", "missing", rule, place=table_place(name, "material"))
 
 
 def _material(case: Case) -> Material:
@@ -222,7 +224,7 @@ def _grading(case: Case, path: Path) -> tuple[Case, Grading]:
     table, unit = case.grading, case.units.size
     if isinstance(table, GradingFile):
         if not unit_of(unit):
-            raise ParameterError(f"{path.name} [units] size is '{unit}'; it must be one of nm, um, mm, cm, m, in")
+            raise _wrong_key(path, "units", "size", f"'{unit}'", f"it must be one of {', '.join(IN_MM)}")
         how = Reading(table.sheet, table.sample, table.mesh, table.total_mass_g, table.edges)
         data = read_sieves(path.parent / table.file, unit=unit, number=table.number, how=how)
         table = Sieves(
@@ -235,7 +237,6 @@ def _grading(case: Case, path: Path) -> tuple[Case, Grading]:
             notes=list(data.notes),
             file=table.file,
         )
-        data.grading(top=table.top, number=table.number)
         case = case.model_copy(update={"grading": table})
     if isinstance(table, Sieves):
         name = Path(table.file).name if table.file else f"{path.name} [grading]"
@@ -243,8 +244,12 @@ def _grading(case: Case, path: Path) -> tuple[Case, Grading]:
             tuple(table.size), tuple(table.percent_finer), unit, tuple(table.places), tuple(table.notes), name
         )
         if len(table.size) != len(table.percent_finer):
-            raise ParameterError(f"{name}: {len(table.size)} sizes and {len(table.percent_finer)} values percent_finer")
-        return case, sieves.grading(top=table.top, number=table.number)
+            finding = f"has {len(table.percent_finer)} values for {len(table.size)} sizes"
+            raise parameter_error("percent_finer", finding=finding, rule="it must have one for each", place=name)
+        try:
+            return case, sieves.grading(top=table.top, number=table.number)
+        except (ParameterError, ShapeError) as error:
+            raise reworded(error, words=WORDS) from None
     fields = table.model_dump(exclude={"kind"}, exclude_none=True)
     return case, _in_table(path.name, "grading", lambda: MAKERS[table.kind](**fields)).with_unit(unit)
 
@@ -254,26 +259,29 @@ def _loads(case: Case, path: Path) -> Case:
     load = case.load
     given = [key for key in ("stress", "stress_ratio", "file") if getattr(load, key) is not None]
     if len(given) != 1:
-        what = " and ".join(given) if given else "none"
-        raise ParameterError(f"{path.name} [load]: {what} given; give one of stress, stress_ratio, file")
+        subject = " and ".join(given) if given else "no load"
+        finding = "are both given" if len(given) == 2 else "are all given" if given else "is given"
+        rule = "give one of stress, stress_ratio, file"
+        raise parameter_error("load", subject=subject, finding=finding, rule=rule, place=table_place(path.name, "load"))
     key = given[0]
     values = getattr(load, key)
     if key == "file":
         key, values = read_loads(path.parent / str(load.file), case.units.stress)
     elif isinstance(values, LoadRange):
-        values = _in_range(values, f"{path.name} [load] {key}")
+        values = _in_range(values, table_place(path.name, "load", key))
     elif isinstance(values, float | int):
         values = [float(values)]
     update = {"stress": None, "stress_ratio": None, "file": None} | {key: [float(value) for value in values]}
     return case.model_copy(update={"load": load.model_copy(update=update)})
 
 
-def _in_range(loads: LoadRange, where: str) -> list[float]:
+def _in_range(loads: LoadRange, place: str) -> list[float]:
+    """List the loads from one to another; `place` is the table that gives them."""
     bad = next((x for x in (loads.first, loads.last) if not np.isfinite(x) or x < 0.0), None)
     if bad is not None:
-        raise ParameterError(f"{where}: from or to is {bad:g}; it must be a finite number of at least 0")
+        raise parameter_error("from or to", float(bad), "it must be a finite number of at least 0", place=place)
     if loads.spacing == "log":
         if not (loads.first > 0.0 and loads.last > 0.0):
-            raise ParameterError(f'{where}: from or to is 0; spacing "log" needs both greater than 0')
+            raise parameter_error("from or to", 0, 'spacing "log" needs both greater than 0', place=place)
         return list(np.geomspace(loads.first, loads.last, loads.steps).tolist())
     return list(np.linspace(loads.first, loads.last, loads.steps).tolist())

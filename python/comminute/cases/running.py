@@ -19,6 +19,7 @@ from comminute.runs import continuing
 from comminute.runs.load_path import load_path
 from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning, resolution_warnings
+from comminute.util.errors import wrong_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -51,7 +52,7 @@ def claimed(target: Path) -> Iterator[None]:
                 f"another run is writing {target.name}; wait for it, or name another file"
             ) from None
         for written in (target, part_of(target)):
-            for scrap in target.parent.glob(f".{glob.escape(written.name)}.*.tmp"):  # of a run that was killed
+            for scrap in target.parent.glob(f".{glob.escape(written.name)}.*.tmp"):  # left by a run that was killed
                 scrap.unlink(missing_ok=True)
         try:
             yield
@@ -73,7 +74,7 @@ def finished_loads(case: ReadyCase, file: Path, remedy: str) -> Result | None:
         return None
     result = open_result(file)
     if result.recipe is None or result.recipe.case != case.text():
-        raise ParameterError(f"{file.name} belongs to another case; {remedy}")
+        raise wrong_file(file.name, "belongs to another case", remedy)
     return result
 
 
@@ -195,7 +196,7 @@ def run_file_again(file: Path, target: Path) -> tuple[Result, bool]:
     -------
     Result
     bool
-        Whether it equals the one in the file in every bit.
+        True if it equals the one in the file in every bit.
 
     Raises
     ------

@@ -70,7 +70,7 @@ FRAGMENTS = (Weibull, PowerLaw, LogNormal, Tabulated)
 
 
 class MaterialTable(Table):
-    """What the grains are."""
+    """Properties of the grains; see `Material`."""
 
     weibull_modulus: float = MATERIAL.weibull_modulus
     fabric_width: float = MATERIAL.fabric_width
@@ -85,7 +85,7 @@ class GradingFile(Table):
     kind: Literal["file"] = "file"
     file: str
     sheet: str | int | None = None
-    sample: str | None = None
+    sample: str | int | None = None
     mesh: Literal["astm", "tyler"] | None = None
     total_mass_g: float | None = None
     edges: Literal["lower", "upper"] | None = None
@@ -94,7 +94,7 @@ class GradingFile(Table):
 
 
 class Sieves(Table):
-    """Sieves in the case itself; what a sieve table becomes in a resolved case."""
+    """Sieves in the case itself; a resolved case has the sieves of its table in this form."""
 
     kind: Literal["sieves"]
     size: list[float]
@@ -221,7 +221,7 @@ class LoadTable(Table):
 
 
 class EngineTable(Table):
-    """What computes; see `Simulation` and `Simulation.run`."""
+    """Engine and its options; see `Simulation` and `Simulation.run`."""
 
     name: EngineName = RUN["engine"]
     scheme: Scheme = SIMULATION["scheme"]

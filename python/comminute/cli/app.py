@@ -27,6 +27,7 @@ from comminute.cli import texts as cli_texts
 from comminute.result import Result
 from comminute.runs.remarks import ResolutionWarning
 from comminute.simulation import Interrupted
+from comminute.util.errors import parameter_error
 from comminute.util.names import shorten
 
 WRONG_INPUT, EXISTS, FAILED, MISSING_EXTRA, STOPPED = 2, 3, 4, 5, 130
@@ -44,6 +45,11 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and no
 SIEVES = defaults["from_sieves"]
 Number = Annotated[bool, typer.Option("--number", help="The shares of the sieve table count grains.")]
 Top = Annotated[str, typer.Option("--top", help='"extend" closes a sieve curve short of 100 %.')]
+SheetName = Annotated[str | None, typer.Option("--sheet", help="Sheet of a workbook, by name or number from 1.")]
+Sample = Annotated[str | None, typer.Option("--sample", help="Sample of a table of several.")]
+Mesh = Annotated[str | None, typer.Option("--mesh", help="Series of sieve numbers: astm (E11) or tyler.")]
+TotalMass = Annotated[float | None, typer.Option("--total-mass-g", help="Dry mass before washing [g].")]
+Edges = Annotated[str | None, typer.Option("--edges", help="Edge of its class that a size is: lower or upper.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
 
 
@@ -129,7 +135,8 @@ def run(
     cases = read_case(case)
     if output is not None:
         if len(cases) > 1:
-            raise ParameterError(f"--output names one file, and {case.name} makes {len(cases)} runs; leave it out")
+            finding = f"names one file, and {case.name} makes {len(cases)} runs"
+            raise parameter_error("--output", output, finding=finding, remedy="leave_out")
         cases = [cases[0].at(output)]
     work = [(ready, _begun(ready, resume=resume, force=force)) for ready in cases]
     done = []
@@ -209,23 +216,30 @@ def _run_again(file: Path, output: Path | None, *, as_json: bool, force: bool) -
 
 @app.command()
 @plain_errors
-def stats(
+def stats(  # noqa: PLR0913  (its options)
     file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
     number: Number = SIEVES["number"],
     top: Top = SIEVES["top"],
+    sheet: SheetName = None,
+    sample: Sample = None,
+    mesh: Mesh = None,
+    total_mass_g: TotalMass = None,
+    edges: Edges = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Follow the tail below the finest size.")] = False,
     as_json: Json = False,
 ) -> None:
     """Compute the indices of a sieve table, or of every load of a result."""
     from comminute.cli import stats as cli_stats  # noqa: PLC0415  (keeps the other commands quick)
 
-    found = cli_stats.stats_of(file, number=number, top=top, extrapolate=extrapolate)
-    print(json.dumps(found) if as_json else cli_stats.as_text(found))
+    table = {"number": number, "top": top, "sheet": sheet, "sample": sample}
+    table |= {"mesh": mesh, "total_mass_g": total_mass_g, "edges": edges}
+    found = cli_stats.stats_of(file, extrapolate=extrapolate, **table)
+    print(json.dumps(cli_stats.as_json(found)) if as_json else cli_stats.as_text(found))
 
 
 @app.command()
 @plain_errors
-def plot(
+def plot(  # noqa: PLR0913  (its options)
     file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Picture: .png, .pdf or .svg.")] = None,
     what: Annotated[str, typer.Option("--what", help="gradings, fabric or index.")] = "gradings",
@@ -235,6 +249,11 @@ def plot(
     load: Annotated[int, typer.Option("--load", help="Index of the load whose fabric is drawn.")] = -1,
     number: Number = SIEVES["number"],
     top: Top = SIEVES["top"],
+    sheet: SheetName = None,
+    sample: Sample = None,
+    mesh: Mesh = None,
+    total_mass_g: TotalMass = None,
+    edges: Edges = None,
     force: Force = False,
 ) -> None:
     """Draw a sieve table or a result to a picture file; no window opens."""
@@ -247,7 +266,9 @@ def plot(
     _require_writable(target, cli_plots.ENDINGS)
     _refuse_existing(target, force)
     curves = {"axes": axes, "coarse_left": coarse_left, "phi": phi}
-    cli_plots.draw(file, target, what=what, load=load, table={"number": number, "top": top}, **curves)
+    table = {"number": number, "top": top, "sheet": sheet, "sample": sample}
+    table |= {"mesh": mesh, "total_mass_g": total_mass_g, "edges": edges}
+    cli_plots.draw(file, target, what=what, load=load, table=table, **curves)
     print(f"wrote {target}")
 
 
@@ -268,9 +289,9 @@ def doctor(as_json: Json = False) -> None:
 
 def _require_writable(output: Path, endings: Sequence[str]) -> None:
     if output.suffix not in endings:
-        raise ParameterError(f"--output is '{output}'; it must end in {', '.join(endings)}")
+        raise parameter_error("--output", f"'{output}'", f"it must end in {', '.join(endings)}")
     if not output.parent.is_dir():
-        raise ParameterError(f"--output is '{output}'; its folder does not exist")
+        raise parameter_error("--output", f"'{output}'", "its folder does not exist")
 
 
 def _refuse_existing(file: Path, force: bool) -> None:

@@ -1,4 +1,4 @@
-"""What the command line prints, and the files of a new case."""
+"""Texts that the command line prints, and the files of a new case."""
 
 from __future__ import annotations
 

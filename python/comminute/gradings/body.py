@@ -128,7 +128,7 @@ def _require_width(layout: Layout, line: Line, needed_columns: list[Column]) -> 
         )
 
 
-def chosen_sample(layout: Layout, sample: str | None) -> Layout:
+def chosen_sample(layout: Layout, sample: str | int | None) -> Layout:
     """Table of one sample: its rows of a long table, or its columns of a wide one.
 
     Raises
@@ -163,7 +163,7 @@ def _listed(names: list[str]) -> str:
     )
 
 
-def _asked(layout: Layout, names: list[str], sample: str | None, where: str) -> str:
+def _asked(layout: Layout, names: list[str], sample: str | int | None, where: str) -> str:
     """Name among those of the samples that is asked for."""
     listed = ", ".join(repr(shorten(name, 24)) for name in names[:SAMPLES_SHOWN])
     listed += f" and {len(names) - SAMPLES_SHOWN} more" if len(names) > SAMPLES_SHOWN else ""
@@ -212,7 +212,7 @@ def _rough(text: str) -> float | None:
     return digits_of(plain(text), "," if "," in text else ".")
 
 
-def _rows_of(layout: Layout, column: Column, sample: str | None) -> Layout:
+def _rows_of(layout: Layout, column: Column, sample: str | int | None) -> Layout:
     names = _filled_down(layout, column)
     known = list(dict.fromkeys(name for name in names if name and not row_meaning(name)))
     if len(known) == 1 and sample is None:

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from comminute._core import ParameterError
 from comminute.gradings.curves import SizeCurve, mean_power
 from comminute.gradings.indices import Curve
 from comminute.gradings.sieves import millimetres
+from comminute.util.errors import parameter_error
 
 HARDIN_SILT = 0.074  # [mm] size below which grains break no further in Hardin's sense
 EINAV_DIMENSION = 2.6  # default fractal dimension of the ultimate grading
@@ -52,7 +52,11 @@ def relative_breakage(before: Curve, after: Curve) -> float:
     """
     potential = [breakage_potential(curve) for curve in (before, after)]
     if not potential[0] > 0.0:
-        raise ParameterError("all grains are below 0.074 mm before: B_p0 is 0 and the relative breakage has no meaning")
+        raise parameter_error(
+            "before",
+            subject="all grains",
+            finding="are below 0.074 mm before: B_p0 is 0 and the relative breakage has no meaning",
+        )
     return (potential[0] - potential[1]) / potential[0]
 
 
@@ -142,22 +146,26 @@ def breakage_index(
     """
     first, last = SizeCurve.of(before), SizeCurve.of(after)
     if first.unit != last.unit:
-        raise ParameterError(f"before is in '{first.unit}' and after in '{last.unit}'; bring them to one unit")
+        finding = f"is in '{first.unit}' and after in '{last.unit}'"
+        raise parameter_error("before", first.unit, finding=finding, remedy="use_one_unit")
     top = float(first.size[-1]) if largest is None else largest
     if not (0.0 <= smallest < top and math.isfinite(top)):
-        raise ParameterError(f"smallest is {smallest:g} and largest is {top:g}; it must hold 0 <= smallest < largest")
+        finding = f"is {smallest:g} and largest is {top:g}"
+        raise parameter_error("smallest", smallest, "it must hold 0 <= smallest < largest", finding=finding)
     power = 3.0 - fractal_dimension
     if not power > 0.0:
-        raise ParameterError(f"fractal_dimension is {fractal_dimension:g}; it must be less than 3")
+        raise parameter_error("fractal_dimension", fractal_dimension, "it must be less than 3")
     # integration by parts makes the integral of F d ln d up to ln(d_M) the mean of ln(d_M / d)
     start, end = mean_log(first), mean_log(last)
     ratio = smallest / top
     span = math.log(ratio) if ratio > 0.0 else 0.0
     ultimate = math.log(top) - 1.0 / power - ratio**power * span / (1.0 - ratio**power)
     if not start > ultimate:
-        raise ParameterError(
-            f"before has a mean ln(size) of {start:g}, the ultimate grading one of {ultimate:g}; the index needs a "
-            "start that is coarser (a smaller fractal_dimension or a larger `largest`?)"
+        raise parameter_error(
+            "before",
+            start,
+            "the index needs a start that is coarser (a smaller fractal_dimension or a larger `largest`?)",
+            finding=f"has a mean ln(size) of {start:g}, the ultimate grading one of {ultimate:g}",
         )
     square = power / (power + 2.0) * top**2 * (1.0 - ratio ** (power + 2.0)) / (1.0 - ratio**power)
     return Breakage(
@@ -184,9 +192,10 @@ def mean_log(curve: Curve) -> float:
     mean = float(np.sum(np.diff(points.finer) * 0.5 * (logs[1:] + logs[:-1])))
     if points.finer[0] > 0.0:
         if not points.tail_slope > 0.0:
-            raise ParameterError(
-                f"{100 * points.finer[0]:.4g} % are finer than the finest size, {points.size[0]:.4g}, on a curve "
-                "that is flat above it: no mean size can be read from it"
+            raise parameter_error(
+                subject=f"{100 * points.finer[0]:.4g} %",
+                finding=f"are finer than the finest size, {points.size[0]:.4g}, on a curve that is flat above it: "
+                "no mean size can be read from it",
             )
         mean += float(points.finer[0] * (logs[0] - 1.0 / points.tail_slope))
     return mean
@@ -251,8 +260,12 @@ def fractal_dimension(curve: Curve, smallest: float, largest: float) -> FractalF
     inside = (points.size >= smallest) & (points.size <= largest) & (points.finer > 0.0)
     count = np.unique(points.size[inside]).size
     if count < 3:
-        raise ParameterError(
-            f"the window {smallest:g} to {largest:g} holds {count} points of the curve; it must hold at least 3"
+        raise parameter_error(
+            "smallest",
+            smallest,
+            "it must hold at least 3",
+            subject=f"the window {smallest:g} to {largest:g}",
+            finding=f"holds {count} points of the curve",
         )
     x, y = np.log(points.size[inside]), np.log(points.finer[inside])
     x, y = x - x.mean(), y - y.mean()

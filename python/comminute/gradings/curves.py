@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Grading, LogGrid, ParameterError, PointMass, _curve_on_grid, _first_at_least
+from comminute._core import Grading, LogGrid, Place, PointMass, _curve_on_grid, _first_at_least
 from comminute.gradings.sieves import convert, sieve_sizes, unit_of
 from comminute.util.equality import same_values
+from comminute.util.errors import parameter_error
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -52,7 +53,7 @@ class SieveTable(NamedTuple):
         return not self == other
 
     def __hash__(self) -> int:
-        """Refused, as that of any array."""
+        """Raise TypeError: the table holds arrays, which have no hash."""
         raise TypeError("a SieveTable holds arrays; it has no hash")
 
 
@@ -129,9 +130,11 @@ class SizeCurve:
         falls = np.diff(cdf) < -ROUNDING
         if np.any(falls):
             k = int(np.argmax(falls))
-            raise ParameterError(f"cdf[{k + 1}] is {cdf[k + 1]:g}, less than {cdf[k]:g} before it; a cdf cannot fall")
+            finding = f"is {cdf[k + 1]:g}, less than {cdf[k]:g} before it"
+            place = Place("cdf", [k + 1])
+            raise parameter_error("cdf", float(cdf[k + 1]), "a cdf cannot fall", finding=finding, place=place)
         if not abs(cdf[-1] - 1.0) <= ENDS_AT_ONE:
-            raise ParameterError(f"the last cdf is {cdf[-1]:g}; it must be 1")
+            raise parameter_error("cdf", float(cdf[-1]), "it must be 1", subject="the last cdf")
         size, finer, tail_slope = _curve_on_grid(grid, np.ascontiguousarray(cdf), points)
         return cls(size, np.append(finer[:-1], 1.0), unit, tail_slope)
 
@@ -168,7 +171,7 @@ class SizeCurve:
         """Mass fraction of grains no larger than `size`, as an array of its shape."""
         at = np.asarray(size, dtype=np.float64)
         if np.any(~(at > 0.0)):
-            raise ParameterError(f"size is {at[~(at > 0.0)].flat[0]:g}; it must be greater than 0")
+            raise parameter_error("size", float(at[~(at > 0.0)].flat[0]), "it must be greater than 0")
         above = np.searchsorted(self.size, at, side="right")
         left, right = np.clip(above - 1, 0, None), np.clip(above, None, self.size.size - 1)
         span = np.log(self.size[right] / self.size[left])
@@ -206,15 +209,23 @@ class SizeCurve:
         2.0
         """
         if not 0.0 <= percent <= 100.0:
-            raise ParameterError(f"percent is {percent:g}; it must be between 0 and 100")
+            raise parameter_error("percent", float(percent), "it must be between 0 and 100")
         share = percent / 100.0
         if share >= self.finer[0] - ROUNDING or (extrapolate and share > 0.0 and self.tail_slope > 0.0):
             return _first_at_least(self.size, self.finer, self.tail_slope, share)
-        unit = f" {self.unit}" if self.unit else ""
-        raise ParameterError(
-            f"D{percent:g} lies below the finest size of the curve, {self.size[0]:.4g}{unit}, which "
-            f"{100 * self.finer[0]:.4g} % are finer than; pass extrapolate = True to follow the tail"
+        raise parameter_error(
+            "percent",
+            float(percent),
+            subject=f"D{percent:g}",
+            finding=f"lies below {self.finest()}, which {100 * self.finer[0]:.4g} % are finer than",
+            rule="the curve is flat there and has no tail to follow" if extrapolate else "",
+            remedy="" if extrapolate else "extrapolate",
         )
+
+    def finest(self) -> str:
+        """Name the finest size with its number and unit, for errors."""
+        unit = f" {self.unit}" if self.unit else ""
+        return f"the finest size of the curve, {self.size[0]:.4g}{unit}"
 
     def to_sieves(self, sieves: str | Sequence[float] | Floats) -> SieveTable:
         """Per cent finer and retained on sieves, coarse to fine; see `Grading.to_sieves`."""
@@ -248,15 +259,17 @@ class SizeCurve:
             finer = np.append(self.finer_than(smallest), finer[keep])
             size = np.append(smallest, size[keep])
         elif finer[0] > 0.0:
-            raise ParameterError(
-                f"{100 * finer[0]:.4g} % of the mass is finer than {size[0]:.4g}, without an end, and so is the number "
-                "of grains; pass smallest = the size from which to count"
+            raise parameter_error(
+                "smallest",
+                subject=f"{100 * finer[0]:.4g} % of the mass",
+                finding=f"is finer than {size[0]:.4g}, without an end, and so is the number of grains",
+                remedy="count_from_smallest",
             )
         relative = size / size[-1]
         counts = np.diff(finer) * mean_power(relative, -3.0)
         number = np.append(0.0, np.cumsum(counts))
         if number.size < 2 or not number[-1] > 0.0:
-            raise ParameterError(f"smallest is {smallest:g}; it must be below the largest size, {size[-1]:g}")
+            raise parameter_error("smallest", smallest, f"it must be below the largest size, {size[-1]:g}")
         return SizeCurve(size, number / number[-1], self.unit)
 
 
@@ -269,18 +282,47 @@ def mean_power(size: Floats, power: float) -> Floats:
 
 
 def on_sieves(curve: Grading | SizeCurve, sieves: str | Sequence[float] | Floats) -> SieveTable:
-    """Per cent finer and retained on sieves, coarse to fine; see `Grading.to_sieves`."""
+    """Per cent finer and retained on sieves, coarse to fine.
+
+    Parameters
+    ----------
+    curve : Grading or SizeCurve
+    sieves : str or sequence of float
+        A series, "ISO R20/3", "ISO R40/3" or "ASTM E11" (the part of it that the grading covers), or
+        openings in the unit of the curve.
+
+    Returns
+    -------
+    SieveTable
+        Named tuple size, percent_finer, unit, percent_retained, pan.
+
+    Raises
+    ------
+    ParameterError
+        For grains that stay on the coarsest sieve, or a series for sizes without a unit.
+
+    Examples
+    --------
+    >>> import comminute as cm
+    >>> table = cm.fuller(16.0).with_unit("mm").to_sieves([16, 4, 1])
+    >>> table.percent_finer, table.pan
+    (array([100.,  50.,  25.]), 25.0)
+    """
     named = isinstance(sieves, str)
     openings = sieve_sizes(sieves, curve.unit) if isinstance(sieves, str) else np.asarray(sieves, dtype=np.float64)
     openings = np.sort(openings)[::-1]
     if openings.ndim != 1 or openings.size == 0 or np.any(np.diff(openings) == 0.0):
-        raise ParameterError(f"sieves has shape {openings.shape}; it must be a list of different openings")
+        finding = f"has shape {openings.shape}"
+        raise parameter_error("sieves", openings.shape, "it must be a list of different openings", finding=finding)
     largest = curve.largest if isinstance(curve, Grading) else float(curve.size[-1])
     unit = f" {curve.unit}" if curve.unit else ""
     if openings[0] < largest * (1.0 - ROUNDING):
-        raise ParameterError(
-            f"the largest grain, {largest:.6g}{unit}, stays on the coarsest sieve, {openings[0]:.6g}{unit}; "
-            + ("take a series that reaches it, or a list of openings" if named else "add a sieve that it passes")
+        raise parameter_error(
+            "sieves",
+            float(openings[0]),
+            "take a series that reaches it, or a list of openings" if named else "add a sieve that it passes",
+            subject=f"the largest grain, {largest:.6g}{unit},",
+            finding=f"stays on the coarsest sieve, {openings[0]:.6g}{unit}",
         )
     finer = 100.0 * np.asarray(curve.finer(openings) if isinstance(curve, Grading) else curve.finer_than(openings))
     finer[openings >= largest * (1.0 - ROUNDING)] = 100.0

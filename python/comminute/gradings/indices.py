@@ -11,9 +11,11 @@ from typing import Literal
 
 import numpy as np
 
-from comminute._core import Grading, ParameterError
+from comminute._core import Grading
 from comminute.gradings.curves import Floats, SizeCurve
 from comminute.gradings.sieves import millimetres
+from comminute.util.choices import require_word
+from comminute.util.errors import parameter_error
 
 Curve = Grading | SizeCurve
 
@@ -133,15 +135,14 @@ def folk_ward(curve: Curve, *, scale: Literal["phi", "metric"] = "phi", extrapol
     >>> round(cm.folk_ward(cm.Grading.from_sieves([4.0, 1.0], [100, 0], unit="mm")).mean, 9)
     -1.0
     """
-    if scale not in ("phi", "metric"):
-        raise ParameterError(f"scale is '{scale}'; it must be one of 'phi', 'metric'")
+    require_word("scale", scale, Literal["phi", "metric"])
     points = SizeCurve.of(curve)
     coarser = (5, 16, 25, 50, 75, 84, 95)
     sizes = np.array(_sizes(curve, tuple(100.0 - x for x in coarser), extrapolate))
     fineness = phi(sizes, points.unit) if scale == "phi" else -np.log(sizes)
     p5, p16, p25, p50, p75, p84, p95 = (float(x) for x in fineness)
     if not (p84 > p16 and p75 > p25):
-        raise ParameterError(f"sorting is 0: D25 and D75 are both {sizes[3]:g}; skewness and kurtosis need a spread")
+        raise parameter_error("sorting", f"0: D25 and D75 are both {sizes[3]:g}", "skewness and kurtosis need a spread")
     mean = (p16 + p50 + p84) / 3.0
     sorting = (p84 - p16) / 4.0 + (p95 - p5) / 6.6
     skewness = (p16 + p84 - 2.0 * p50) / (2.0 * (p84 - p16)) + (p5 + p95 - 2.0 * p50) / (2.0 * (p95 - p5))
@@ -217,7 +218,8 @@ def milling(feed: Curve, product: Curve, *, parent: float | None = None) -> Mill
     """
     before, after = SizeCurve.of(feed), SizeCurve.of(product)
     if before.unit != after.unit:
-        raise ParameterError(f"feed is in '{before.unit}' and product in '{after.unit}'; bring them to one unit")
+        finding = f"is in '{before.unit}' and product in '{after.unit}'"
+        raise parameter_error("feed", before.unit, finding=finding, remedy="use_one_unit")
     (f80,), (p80,) = _sizes(feed, (80.0,), False), _sizes(product, (80.0,), False)
     size = _sizes(feed, (50.0,), False)[0] if parent is None else parent
     return Milling(f80, p80, f80 / p80, 100.0 * fines_share(product, 0.1 * size), size)

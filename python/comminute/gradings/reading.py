@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from comminute._core import Grading, ParameterError
+from comminute._core import Grading, ParameterError, Place, defaults
 from comminute.gradings import values as quantities
 from comminute.gradings.agreement import require_agreement
 from comminute.gradings.body import Body, chosen_sample, sorted_body
@@ -17,11 +17,13 @@ from comminute.gradings.numerals import Numeral, decimal_mark
 from comminute.gradings.openings import numerals_in, row_meaning
 from comminute.gradings.numbers import numeral_in, value_of
 from comminute.gradings.sheets import Line
-from comminute.gradings.sieves import require_mesh, unit_of
+from comminute.gradings.sieves import IN_MM, require_mesh, unit_of
 from comminute.gradings.sizing import Sized, sized
+from comminute.util.errors import parameter_error, reworded, wrong_file
 from comminute.util.names import is_file, shorten
 
 Top = Literal["error", "extend"]
+SIEVES = defaults["from_sieves"]
 EDGES = ("lower", "upper")
 PRIORITY = ("mass_retained_g", "count", "mass_cumulative_retained", "mass_finer", "percent_finer")
 PRIORITY += ("percent_cumulative_retained", "percent_retained", "retained", "cumulative", "mass_cumulative", "share")
@@ -47,7 +49,7 @@ class Reading:
     """
 
     sheet: str | int | None = None
-    sample: str | None = None
+    sample: str | int | None = None
     mesh: str | None = None
     total_mass_g: float | None = None
     edges: str | None = None
@@ -57,9 +59,9 @@ class Reading:
         if self.mesh is not None:
             require_mesh(self.mesh)
         if self.edges is not None and self.edges not in EDGES:
-            raise ParameterError(f"edges is '{self.edges}'; it must be one of 'lower', 'upper'")
+            raise parameter_error("edges", f"'{self.edges}'", "it must be one of 'lower', 'upper'")
         if self.total_mass_g is not None and not 0.0 < self.total_mass_g < float("inf"):
-            raise ParameterError(f"total_mass_g is {self.total_mass_g:.4g}; it must be greater than 0 and finite")
+            raise parameter_error("total_mass_g", float(self.total_mass_g), "it must be greater than 0 and finite")
 
 
 @dataclass(frozen=True)
@@ -87,37 +89,91 @@ class SieveData:
     name: str
     number: bool = False
 
-    def grading(self, *, top: Top = "error", number: bool = False) -> Grading:
+    def grading(self, *, top: Top, number: bool) -> Grading:
         """Grading of these sieves; errors name the file and its rows."""
         try:
             return Grading.from_sieves(
-                self.size,
-                self.percent_finer,
-                self.unit,
-                top=top,
-                number=number or self.number,
-                places=self.places,
-                notes=self.notes,
-                if_retained="name the column percent_retained.",
+                self.size, self.percent_finer, self.unit, top=top, number=number or self.number, notes=self.notes
             )
         except ParameterError as error:
-            message = str(error)
-            raise ParameterError(message if message.startswith(self.name) else f"{self.name}: {message}") from None
+            raise self._in_file(error) from None
+
+    def _in_file(self, error: ParameterError) -> ParameterError:
+        """Give an error, whose rows count the sieves, the rows of the file and a remedy for its columns."""
+        place = error.place and self._place(error.place[0])
+        changed: dict[str, object] = {
+            "place": place or (Place(self.name),),
+            "also": error.also and self._place(error.also)[-1],
+        }
+        if error.remedy == "cumulate_retained" and self.places:
+            changed["remedy"] = "name_retained_column"
+        return reworded(error, changed=changed)
+
+    def _place(self, sieve: Place) -> tuple[Place, ...]:
+        """Place in the file of a sieve that the core knows by its row in the lists, counted from 1."""
+        return (Place(self.places[sieve.row - 1]),) if self.places else (Place(self.name), sieve)
 
 
-def read_grading(  # noqa: PLR0913  (the options of Grading.read)
+def read_grading(  # noqa: PLR0913  (each option is asked for by name)
     path: str | os.PathLike[str],
     *,
     unit: str | None = None,
-    top: Top = "error",
-    number: bool = False,
+    top: Top = SIEVES["top"],
+    number: bool = SIEVES["number"],
     sheet: str | int | None = None,
     sample: str | None = None,
-    mesh: str | None = None,
+    mesh: Literal["astm", "tyler"] | None = None,
     total_mass_g: float | None = None,
-    edges: str | None = None,
+    edges: Literal["lower", "upper"] | None = None,
 ) -> Grading:
-    """Grading from a sieve table; see `Grading.read`."""
+    r"""Measured curve from a sieve table: .csv, .txt, .tsv, or .xlsx with the extra `xlsx`.
+
+    The header names a size and a quantity in words that laboratories use, in any of eight languages: `size_mm`,
+    `Sieve size (mm)`, `phi` or `sieve` (numbers of ASTM E11, inches), and `percent_finer`, `% retained`,
+    `percent_cumulative_retained`, `mass_retained_g` or `count`. The page "Sieve tables we read" lists the words, and
+    what may stand around a table. Rows read are rows given, or the table is refused. An option that the table has no
+    use for is an error.
+
+    Parameters
+    ----------
+    path : path-like
+    unit : str, optional
+        Unit of the sizes of the grading; left out: the unit of the file, mm for phi and sieve.
+    top : {"error", "extend"}
+        See `Grading.from_sieves`.
+    number : bool
+        The shares count grains; see `Grading.from_sieves`. A column of counts says so itself.
+    sheet : str or int, optional
+        Sheet of a workbook by its name, or its number from 1; left out: the first that holds a table.
+    sample : str, optional
+        Sample of a table of several.
+    mesh : {"astm", "tyler"}, optional
+        Series of the sieve numbers; left out: ASTM E11.
+    total_mass_g : float, optional
+        Dry mass before washing [g]; what the sieves and the pan do not hold of it passed the finest sieve.
+    edges : {"lower", "upper"}, optional
+        Edge of its class that a size is, for values of classes; left out: lower, as what stays on a sieve.
+
+    Returns
+    -------
+    Grading
+        Its `notes` say what was converted or assumed.
+
+    Raises
+    ------
+    ParameterError
+        For a table that makes no grading; it names file, row, column and value, the rule, and the remedy.
+    ImportError
+        For .xlsx where openpyxl is missing.
+
+    Examples
+    --------
+    >>> import comminute as cm, pathlib, tempfile
+    >>> path = pathlib.Path(tempfile.mkdtemp(), "sand.csv")
+    >>> _ = path.write_text("Siebweite (mm);Rückstand (g)\n2,0;0\n1,0;30\n0,5;50\nSchale;20\n", encoding="utf-8")
+    >>> cm.Grading.read(path).finer([2.0, 1.0, 0.5])
+    array([1. , 0.7, 0.2])
+    """
     how = Reading(sheet, sample, mesh, total_mass_g, edges)
     return read_sieves(path, unit=unit, number=number, how=how).grading(top=top, number=number)
 
@@ -151,9 +207,9 @@ def read_sieves(
     file = Path(path)
     how.require_valid()
     if unit is not None and not unit_of(unit):
-        raise ParameterError(f"unit is '{unit}'; it must be one of nm, um, mm, cm, m, in")
+        raise parameter_error("unit", f"'{unit}'", f"it must be one of {', '.join(IN_MM)}")
     if not is_file(file):
-        raise ParameterError(f"{shorten(str(file), 200)} is no file; give a sieve table (.csv or .xlsx)")
+        raise wrong_file(str(file), "is no file", "give a sieve table (.csv or .xlsx)")
     layout = chosen_sample(open_layout(file, how.sheet), how.sample)
     sizes, values = _columns(layout)
     finer = all(column.meaning.name in ("percent_finer", "mass_finer") for column in values)

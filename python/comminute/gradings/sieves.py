@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from comminute._core import ParameterError
+from comminute.util.errors import parameter_error
 from comminute.util.names import shorten
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def convert(value: float, unit: str, to: str) -> float:
     """
     for name in (unit, to):
         if not unit_of(name):
-            raise ParameterError(f"unit is '{name}'; it must be one of {', '.join(IN_MM)} to be converted")
+            raise parameter_error("unit", f"'{name}'", f"it must be one of {', '.join(IN_MM)} to be converted")
     unit, to = unit_of(unit), unit_of(to)
     if unit == to:
         return value
@@ -112,10 +112,8 @@ def convert(value: float, unit: str, to: str) -> float:
 def millimetres(unit: str, wanted_for: str) -> float:
     """Millimetres in a unit; `wanted_for` names, for an error message, the quantity that needs it."""
     if not unit_of(unit):
-        raise ParameterError(
-            f"unit is '{unit}'; {wanted_for} needs sizes in a known unit ({', '.join(IN_MM)}): "
-            'name it, with_unit("mm") for an ideal grading'
-        )
+        rule = f"{wanted_for} needs sizes in a known unit ({', '.join(IN_MM)})"
+        raise parameter_error("unit", f"'{unit}'", rule, remedy="name_unit")
     return convert(1.0, unit, "mm")
 
 
@@ -152,7 +150,7 @@ def sieve_sizes(series: str, unit: str = "mm") -> npt.NDArray[np.float64]:
     plain |= {"iso565r20/3": "ISO R20/3", "iso565r40/3": "ISO R40/3", "astm": "ASTM E11", "e11": "ASTM E11"}
     if _plain(series) not in plain:
         known = ", ".join(f"'{name}'" for name in SIEVE_SERIES)
-        raise ParameterError(f"series is '{series}'; it must be one of {known}")
+        raise parameter_error("series", f"'{series}'", f"it must be one of {known}")
     return np.array([convert(size, "mm", unit) for size in SIEVE_SERIES[plain[_plain(series)]]])
 
 

@@ -1,1 +1,1 @@
-"""What every room uses: words, files, equality."""
+"""Helpers that every room uses: errors, words, files, equality."""

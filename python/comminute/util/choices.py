@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-from comminute._core import ParameterError
+from comminute.util.errors import parameter_error
 
 Kind = Literal["slow", "exact", "fast", "blend"]
 Mean = Literal["arithmetic", "geometric"]
@@ -16,4 +16,4 @@ def require_word(parameter: str, word: object, choice: object) -> None:
     """Raise ParameterError, naming the words it knows, unless `word` is one of the Literal `choice`."""
     known = get_args(choice)
     if word not in known:
-        raise ParameterError(f"{parameter} is '{word}'; it must be one of {', '.join(map(repr, known))}")
+        raise parameter_error(parameter, f"'{word}'", f"it must be one of {', '.join(map(repr, known))}")

@@ -185,7 +185,7 @@ TEST_CASE("on a grid each bin holds the mass between its edges, the fines bin al
     CHECK(monodisperse(1e-9).on_grid(grid)[0] == 1.0);
     CHECK_REFUSED(monodisperse(4.0).on_grid(LogGrid(-1.0, 0.0, 11)),
                   "the largest grain, 4, lies above the grid's top edge, 1.0512710963760241; raise "
-                  "psi_max, or leave the grid out to have it sized from the grading");
+                  "psi_max, or size the grid from the grading with fitting_grid");
     CHECK_NOTHROW(monodisperse(std::exp(0.05)).on_grid(LogGrid(-1.0, 0.0, 11)));  // on the edge itself
 }
 
@@ -256,7 +256,7 @@ TEST_CASE("a sieve curve with an error in it is refused, naming row, value, rule
             "size. "
             "Retained percentages? convert them to per cent finer first");
     refused({0.5, 2.0, 0.5}, {0.0, 100.0, 10.0},
-            "row 3: size 0.5 mm stands in row 1 already; each sieve may appear once");
+            "row 3: size 0.5 mm stands already in row 1; each sieve may appear once");
     refused({0.5, 0.0}, {0.0, 100.0}, "row 2: size is 0; it must be greater than 0 and finite");
     refused({-0.5, 1.0}, {0.0, 100.0}, "row 1: size is -0.5; it must be greater than 0 and finite");
     refused({0.5, not_a_number}, {0.0, 100.0}, "row 2: size is nan; it must be greater than 0 and finite");
@@ -267,19 +267,19 @@ TEST_CASE("a sieve curve with an error in it is refused, naming row, value, rule
     refused({0.5}, {100.0}, "the sieve curve has 1 points; it must have at least 2");
     refused({}, {}, "the sieve curve has 0 points; it must have at least 2");
     refused({0.5, 1.0}, {0.0, 90.0},
-            "the coarsest sieve, 1 mm, has 90 % finer, not 100 %; add the size that all grains pass, or pass "
-            "top = "
-            "\"extend\" to carry the last slope on to 100 %");
-    refused({0.5, 1.0}, {90.0, 90.0},
-            "the coarsest sieve, 1 um, has 90 % finer, not 100 %; add the size that all grains pass (top = "
-            "\"extend\" cannot: the curve is flat there)",
-            "um", true);
+            "the coarsest sieve, 1 mm, has 90 % finer, not 100 %; add the size that all grains pass, or set "
+            "extend_top to carry the last slope on to 100 %");
+    refused(
+        {0.5, 1.0}, {90.0, 90.0},
+        "the coarsest sieve, 1 um, has 90 % finer, not 100 %; the curve is flat there and has no slope to "
+        "carry on. Add the size that all grains pass",
+        "um", true);
     refused(
         {0.5, 1.0, 2.0}, {30.0, 30.0, 100.0},
         "30 % is finer than the finest sieve, 0.5 mm, and the curve is flat above it, so no tail can be read "
         "from it; add a size with 0 % finer");
     CHECK_THROWS_WITH_AS(sieve_grading({0.5, 1.0}, {100.0}),
-                         "size has 2 entries and percent_finer has 1; give one per cent finer for each size",
+                         "percent_finer has 1 entries; it must have one for each of the 2 sizes",
                          ShapeError);
 }
 
@@ -311,7 +311,7 @@ TEST_CASE("a percentile where no size is known is refused, or continued as a pow
     const Numbers half(8, 0.5);
     CHECK_REFUSED(percentile(grid, half, 10.0),
                   "D10 lies in the fines bin, which holds 50 % below a size of 1; lower "
-                  "psi_min to resolve it, or pass extrapolate = true");
+                  "psi_min to resolve it, or set extrapolate");
     CHECK_REFUSED(percentile(grid, half, 75.0), "D75 lies above the largest size: only 50 % are finer");
     CHECK_REFUSED(percentile(grid, half, 100.1), "percent is 100.1; it must be between 0 and 100");
     CHECK_REFUSED(percentile(grid, half, -1.0), "percent is -1; it must be between 0 and 100");

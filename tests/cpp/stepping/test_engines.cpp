@@ -438,7 +438,7 @@ TEST_CASE("bad shapes, overlaps, loads and entries are refused and leave the sta
         refuses_shape({buffer.data(), 8, 9}, p.view(), "p has shape (8, 9); the grid needs (8, 8)");
         refuses_shape(p.view(), {buffer.data(), 7, 8}, "out has shape (7, 8); the grid needs (8, 8)");
         const char* overlap =
-            "out overlaps p in part; pass p itself to step in place, or an array of its own";
+            "out overlaps p in part; it must be p itself, to step in place, or an array of its own";
         CHECK_THROWS_WITH_AS(engine.step({buffer.data(), 8, 8, 4}, 2.0, out), doctest::Contains("stride"),
                              ShapeError);
         refuses_shape({buffer.data() + 1, 8, 8}, out, overlap);

@@ -174,8 +174,7 @@ TEST_CASE("masses whose sum overflows are refused with the index of their state"
     std::vector<double> out(points.states.size());
     CHECK_THROWS_WITH_AS(
         solver.solve(points.batch(), {out.data(), count, bins}),
-        "states[33]: the state's masses add up to more than a number can hold; scale it to a "
-        "total of 1",
+        "states[33]: state adds up to more than a number can hold; it must be scaled to a total of 1",
         ParameterError);
 }
 

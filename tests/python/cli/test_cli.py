@@ -147,14 +147,14 @@ ROWS = [
     ("sand.csv", "1,60", "0,60", "sand.csv row 3, column size_mm: the value is 0; a size must be greater than 0"),
     ("sand.csv", "1,60", "nan,60", "sand.csv row 3, column size_mm: the value is 'nan'; it must be a number"),
     ("sand.csv", "1,60", "1,many", "sand.csv row 3, column percent_finer: the value is 'many'; it must be a number"),
-    ("sand.csv", "1,60", "0.5,60", "size 0.5 mm stands in sand.csv row "),
+    ("sand.csv", "1,60", "0.5,60", "size 0.5 mm stands already in sand.csv row "),
     ("sand.csv", SAND, "", "sand.csv is empty; it needs a header line and at least two sieves"),
     (
         "sand.csv",
         "2,100",
         "2,90",
         "sand.csv: the coarsest sieve, 2 mm, has 90 % finer, not 100 %; add the size that all "
-        'grains pass, or pass top = "extend"',
+        'grains pass, or write top = "extend" in [grading] to carry the last slope on to 100 %',
     ),
     ("case.toml", "1.2, 12.0", "-1.2, 12.0", "case.toml [load]: stress[0] is -1.2; it must be a number of at least 0"),
     ("case.toml", "1.2, 12.0", "nan, 12.0", "case.toml [load]: stress[0] is nan; it must be a number of at least 0"),
@@ -168,7 +168,7 @@ ROWS = [
         "case.toml",
         "first_crush_stress = 1.2",
         "",
-        "case.toml [load]: a stress is given but first_crush_stress is not set; set it in [material], or give",
+        "case.toml [load]: stress is 1.2; it needs first_crush_stress, which is not set. Set it in [material], or give",
     ),
     ("case.toml", "bins = 100", "bins = 7", "case.toml [grid]: bins is 7; it must be at least 8"),
     ("case.toml", "[material]", "[material]\nfabric_width = 0", "fabric_width is 0; it must be greater than 0"),
@@ -181,7 +181,12 @@ ROWS = [
         'kind = "gap-graded"\ncoarse = 2\nfine = 1\ncoarse_share = 2',
         "coarse_share is 2; it must be between 0 and 1",
     ),
-    ("case.toml", "[material]", "[material]\nweibul_modulus = 3", "unknown key; did you mean weibull_modulus?"),
+    (
+        "case.toml",
+        "[material]",
+        "[material]\nweibul_modulus = 3",
+        "[material]: weibul_modulus is an unknown key; did you mean weibull_modulus?",
+    ),
 ]
 
 

@@ -212,13 +212,13 @@ MESSAGES = {
     "size_mm,percent_finer\n2,100\n1,some\n": "sand.csv row 3, column percent_finer: the value is 'some'; it must be",
     "size_mm,percent_finer\n2,100\n1,\n": "sand.csv row 3, column percent_finer: the value is empty; it must be",
     "size_mm,percent_finer\n2,100\n1,120\n": "column percent_finer: the value is 120; it must be between 0 and 100",
-    "size_mm,percent_finer\n2,100\n1,50\n1.0,40\n": "sand.csv row 4: size 1 mm stands in sand.csv row 3 already",
+    "size_mm,percent_finer\n2,100\n1,50\n1.0,40\n": "sand.csv row 4: size 1 mm stands already in sand.csv row 3",
     "": "sand.csv is empty; it needs a header line and at least two sieves",
     "# nothing\n": "sand.csv is empty; it needs a header line and at least two sieves",
     "size_mm,percent_finer\n": "sand.csv has a header but no sieves; it needs at least two",
     "size_mm,percent_finer\n2,100\n": "sand.csv: the sieve curve has 1 points; it must have at least 2",
     "size_mm,percent_finer\n1,90\n0.5,0\n": "sand.csv: the coarsest sieve, 1 mm, has 90 % finer, not 100 %; add the "
-    'size that all grains pass, or pass top = "extend"',
+    'size that all grains pass, or pass top="extend" to carry the last slope on to 100 %',
     "size,percent_finer\n1,100\n": "sand.csv row 1: the size column has no unit; name it size_mm or size_um",
     "size_mm,percent_fine\n1,100\n": "the header names no value column; it must name one of percent_finer, "
     "percent_retained, percent_cumulative_retained, mass_retained_g; did you mean percent_finer by 'percent_fine'?",
@@ -230,12 +230,15 @@ MESSAGES = {
     "'0.5', 0.5 with a decimal point; write one decimal mark throughout",
     "size_mm,percent_finer\n1,100\n0.5\n": "sand.csv row 3: 1 columns, but the header names 2",
     'size_mm,percent_finer\n"1,100\n': "sand.csv row 2: unexpected end of data; close every quotation mark",
-    "size_mm,percent_retained\n2,0\n1,80\n0.5,80\n": "percent_retained adds up to 160 %, not 100 %. Cumulative values? "
-    "name the column percent_cumulative_retained.",
-    "size_mm,percent_retained\n2,0\n1,40\npan,40\n": "sand.csv: percent_retained adds up to 80 %, not 100 %.",
+    "size_mm,percent_retained\n2,0\n1,80\n0.5,80\n": "sand.csv: column percent_retained adds up to 160 "
+    "%; it must be 100 %. Cumulative values? name the column percent_cumulative_retained.",
+    "size_mm,percent_retained\n2,0\n1,40\npan,40\n": "sand.csv: column percent_retained adds up to 80 "
+    "%; it must be 100 %",
     "size_mm,mass_retained_g\n2,0\n1,0\n": "sand.csv: column mass_retained_g adds up to 0",
-    "size_mm,percent_finer\n2,100\n1,50\npan,3\n": "sand.csv row 4: 3 % finer than the pan",
-    "size_mm,percent_cumulative_retained\n2,0\n1,50\npan,90\n": "90 % is retained down to the pan, which must hold all",
+    "size_mm,percent_finer\n2,100\n1,50\npan,3\n": "sand.csv row 4: 3 % is finer than the pan; the pan "
+    "holds all. Leave it out",
+    "size_mm,percent_cumulative_retained\n2,0\n1,50\npan,90\n": "sand.csv: 90 % is retained down to the "
+    "pan; it must hold all: 100 %",
     "size_mm,percent_retained\n2,0\npan,50\npan,50\n": "sand.csv row 4: a second pan; a table has one",
     "sieve,percent_finer\nNo. 41,100\n50,0\n": "sand.csv row 2, column sieve: sieve is 'No. 41'; ASTM E11 has no such "
     "sieve. Did you mean No. 40?",

@@ -71,7 +71,8 @@ PARAMETERS: list[tuple[Callable[[], object], str]] = [
     ),
     (
         lambda: cm.FullConvolution(GRID, MATERIAL, "slow", loading_rate=0.3),
-        'loading_rate is 0.3 but the kernel is not a blend; use kind "blend", or leave loading_rate at 0',
+        'loading_rate is 0.3; a rate belongs to the blend of kernels, and this one is no blend. Use kind "blend", '
+        "or leave loading_rate at 0",
     ),
     (
         lambda: cm.FullConvolution(GRID, MATERIAL, "blend", loading_rate=1.5),
@@ -82,7 +83,10 @@ PARAMETERS: list[tuple[Callable[[], object], str]] = [
         "fragment_rule is 'exact'; it must be one of 'paper', 'conservative'",
     ),
     (lambda: cm.SlowUpdate(GRID, MATERIAL).settle(STATE, 2.0, steps=0), "steps is 0; it must be at least 1"),
-    (lambda: MATERIAL.stress_ratio(1.0), "a stress is given but first_crush_stress is not set"),
+    (
+        lambda: MATERIAL.stress_ratio(1.0),
+        "stress is 1; it needs first_crush_stress, which is not set. Set it on the Material, or give stress_ratio",
+    ),
     (
         lambda: cm.Material(first_crush_stress=1.0).stress_ratio(-1.0),
         "stress is -1; it must be a number of at least 0",
@@ -102,7 +106,7 @@ GRADINGS: list[tuple[Callable[[], object], str]] = [
         "row 2: 40 % finer at 0.6 mm is less than 50 % at 0.3 mm; cumulative per cent finer cannot fall with size. "
         "Retained percentages?",
     ),
-    (lambda: sieves([0.3, 0.3, 1.2], [20, 40, 100]), "row 2: size 0.3 mm stands in row 1 already"),
+    (lambda: sieves([0.3, 0.3, 1.2], [20, 40, 100]), "row 2: size 0.3 mm stands already in row 1"),
     (
         lambda: sieves([0.3, -0.6, 1.2], [20, 40, 100]),
         "row 2: size is -0.6; it must be greater than 0 and finite",
@@ -116,11 +120,11 @@ GRADINGS: list[tuple[Callable[[], object], str]] = [
     (
         lambda: sieves([0.3, 0.6], [20, 90]),
         "the coarsest sieve, 0.6 mm, has 90 % finer, not 100 %; add the size that all grains pass, "
-        'or pass top = "extend" to carry the last slope on to 100 %',
+        'or pass top="extend" to carry the last slope on to 100 %',
     ),
     (
         lambda: sieves([0.3, 0.6], [90, 90], top="extend"),
-        'add the size that all grains pass (top = "extend" cannot: the curve is flat there)',
+        "the curve is flat there and has no slope to carry on. Add the size that all grains pass",
     ),
     (
         lambda: sieves([0.3, 0.6, 1.2], [20, 20, 100]),
@@ -149,7 +153,7 @@ RUNS: list[tuple[Callable[[], object], str]] = [
     (lambda: simulate(stress_ratio=1.0, stress=1.0), "give either stress_ratio or stress, and not both"),
     (
         lambda: simulate(stress=[1.0]),
-        "a stress is given but first_crush_stress is not set; set it on the Material",
+        "stress is 1; it needs first_crush_stress, which is not set. Set it on the Material, or give stress_ratio",
     ),
     (
         lambda: simulate(stress_ratio=[1.0, -2.0]),
@@ -198,7 +202,7 @@ RUNS: list[tuple[Callable[[], object], str]] = [
     ),
     (
         lambda: simulate(stress_ratio=[1, 2], keep_fabrics="last").fabric(0),
-        "the fabric after load 0 was not kept; add 0 to keep_fabrics of run",
+        "the fabric after load 0 was not kept; add its index to keep_fabrics of run",
     ),
     (
         lambda: cm.Simulation(MATERIAL, cm.monodisperse(1.0), scheme="new"),  # type: ignore[arg-type]
@@ -243,7 +247,7 @@ def test_message(mistake: Callable[[], object], words: str) -> None:
         (STATE[0], "p has shape (61,); the grid needs (61, 61)"),
         (
             STATE.T.copy().T,
-            "p is not a C-ordered (row after row) array; make one with np.ascontiguousarray(p)",
+            "p is not a C-ordered (row after row) array; np.ascontiguousarray makes one",
         ),
     ],
 )
