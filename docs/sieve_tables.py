@@ -1,3 +1,4 @@
+# ruff: noqa: E501, RUF001  (the text of a page)
 """Write docs/sieve_tables.md, the page of the sieve tables that are read, from the words that the reader knows."""
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
+# ruff: noqa: RUF001, RUF005  (tables of words and signs)
 """Sieve tables in the many styles of laboratories, each with the sieves and the per cent finer that it holds.
 
 `table(chance)` draws a grading and a style; what a reader makes of the text must be the grading, or an error.
@@ -12,23 +13,115 @@ import re
 from dataclasses import dataclass, field
 
 ASTM = {"3/4 in": 19.0, "3/8 in": 9.5, "No. 4": 4.75, "No. 8": 2.36, "No. 10": 2.0, "No. 16": 1.18, "No. 20": 0.85}
-ASTM |= {"No. 30": 0.6, "No. 40": 0.425, "No. 50": 0.3, "No. 60": 0.25, "No. 100": 0.15, "No. 140": 0.106, "No. 200": 0.075}
+ASTM |= {
+    "No. 30": 0.6,
+    "No. 40": 0.425,
+    "No. 50": 0.3,
+    "No. 60": 0.25,
+    "No. 100": 0.15,
+    "No. 140": 0.106,
+    "No. 200": 0.075,
+}
 ISO = [16.0, 8.0, 4.0, 2.0, 1.0, 0.5, 0.25, 0.125, 0.063]
-SIZES = ["size_mm", "Sieve size (mm)", "Particle Size (mm)", "Opening [mm]", "Aperture, mm", "Grain size / mm", "d (mm)"]
-SIZES += ["Siebweite (mm)", "Korngröße in mm", "Maschenweite [mm]", "Tamis (mm)", "Ouverture (mm)", "Tamiz (mm)", "Abertura (mm)"]
-SIZES += ["Peneira (mm)", "Malha (mm)", "Setaccio (mm)", "Apertura (mm)", "ふるい目の開き (mm)", "粒径(mm)", "筛孔尺寸(mm)", "孔径/mm"]
+SIZES = [
+    "size_mm",
+    "Sieve size (mm)",
+    "Particle Size (mm)",
+    "Opening [mm]",
+    "Aperture, mm",
+    "Grain size / mm",
+    "d (mm)",
+]
+SIZES += [
+    "Siebweite (mm)",
+    "Korngröße in mm",
+    "Maschenweite [mm]",
+    "Tamis (mm)",
+    "Ouverture (mm)",
+    "Tamiz (mm)",
+    "Abertura (mm)",
+]
+SIZES += [
+    "Peneira (mm)",
+    "Malha (mm)",
+    "Setaccio (mm)",
+    "Apertura (mm)",
+    "ふるい目の開き (mm)",
+    "粒径(mm)",
+    "筛孔尺寸(mm)",
+    "孔径/mm",
+]
 HEADERS = {
     "finer": ["percent_finer", "% passing", "Passing (%)", "Cumulative % passing", "Total % Passing", "Undersize (%)"]
-    + ["% finer", "Percent finer by weight", "Siebdurchgang [%]", "Durchgang in %", "Passant (%)", "Passants cumulés (%)"]
-    + ["% que pasa", "Pasa (%)", "% passante", "Passante acumulada (%)", "Passante (%)", "通過質量百分率 (%)", "通过百分率(%)"],
+    + [
+        "% finer",
+        "Percent finer by weight",
+        "Siebdurchgang [%]",
+        "Durchgang in %",
+        "Passant (%)",
+        "Passants cumulés (%)",
+    ]
+    + [
+        "% que pasa",
+        "Pasa (%)",
+        "% passante",
+        "Passante acumulada (%)",
+        "Passante (%)",
+        "通過質量百分率 (%)",
+        "通过百分率(%)",
+    ],
     "cumulative": ["percent_cumulative_retained", "Cumulative % Retained", "Cum. % ret.", "% retenido acumulado"]
-    + ["Refus cumulé (%)", "Rückstand kumuliert (%)", "% retida acumulada", "加積残留率 (%)", "累计筛余(%)", "Percent coarser"],
-    "retained": ["percent_retained", "% Retained", "Individual % retained", "% retenido", "Refus partiel (%)", "分计筛余(%)"]
+    + [
+        "Refus cumulé (%)",
+        "Rückstand kumuliert (%)",
+        "% retida acumulada",
+        "加積残留率 (%)",
+        "累计筛余(%)",
+        "Percent coarser",
+    ],
+    "retained": [
+        "percent_retained",
+        "% Retained",
+        "Individual % retained",
+        "% retenido",
+        "Refus partiel (%)",
+        "分计筛余(%)",
+    ]
     + ["% retida", "Trattenuto (%)", "残留率 (%)", "Rückstand (%)"],
-    "mass": ["mass_retained_g", "Weight retained (g)", "Mass Retained [g]", "Wt. ret. (g)", "Rückstand (g)", "Masse des refus (g)"]
-    + ["Peso retenido (g)", "Masa retenida (g)", "Massa retida (g)", "Massa trattenuta (g)", "残留質量 (g)", "筛余质量(g)", "Mass (g)"],
+    "mass": [
+        "mass_retained_g",
+        "Weight retained (g)",
+        "Mass Retained [g]",
+        "Wt. ret. (g)",
+        "Rückstand (g)",
+        "Masse des refus (g)",
+    ]
+    + [
+        "Peso retenido (g)",
+        "Masa retenida (g)",
+        "Massa retida (g)",
+        "Massa trattenuta (g)",
+        "残留質量 (g)",
+        "筛余质量(g)",
+        "Mass (g)",
+    ],
 }
-PANS = ["pan", "Pan", "PAN", "Bottom", "Receiver", "Schale", "Boden", "Fond", "Fondo", "Fundo", "受皿", "底盘", "0", "-"]
+PANS = [
+    "pan",
+    "Pan",
+    "PAN",
+    "Bottom",
+    "Receiver",
+    "Schale",
+    "Boden",
+    "Fond",
+    "Fondo",
+    "Fundo",
+    "受皿",
+    "底盘",
+    "0",
+    "-",
+]
 TOTALS = ["Total", "Sum", "Summe", "Suma", "Soma", "Totale", "合計", "合计"]
 
 
@@ -57,7 +150,7 @@ def grading(chance: random.Random) -> tuple[list[str], list[float], list[int]]:
 
 
 def number(value: float, digits: int, decimal: str, thousands: str) -> str:
-    """Number in a notation."""
+    """Write a number in a notation."""
     text = f"{value:,.{digits}f}"
     return text.replace(",", "\x00").replace(".", decimal).replace("\x00", thousands)
 
@@ -80,7 +173,12 @@ def table(chance: random.Random) -> LabTable:
         "retained": [100.0 * m / total * scale for m in masses[:-1]],
         "mass": [m / 10.0 for m in masses[:-1]],
     }[kind]
-    pan = {"finer": 0.0, "cumulative": 100.0 * scale, "retained": 100.0 * masses[-1] / total * scale, "mass": masses[-1] / 10.0}[kind]
+    pan = {
+        "finer": 0.0,
+        "cumulative": 100.0 * scale,
+        "retained": 100.0 * masses[-1] / total * scale,
+        "mass": masses[-1] / 10.0,
+    }[kind]
     places = 1 if kind == "mass" else digits
     values = [number(value, places, decimal, thousands) for value in exact]
     if kind != "mass" and not fraction and delimiter != "  " and chance.random() < 0.1:
@@ -100,17 +198,27 @@ def table(chance: random.Random) -> LabTable:
         rows.append([chance.choice(TOTALS), number(total / 10.0, 1, decimal, thousands)])
     if chance.random() < 0.15 and not retained:
         rows.reverse()
-    return LabTable(_written(chance, header, quantity, rows, delimiter, style), sizes, [100.0 * b / total for b in below], style)
+    return LabTable(
+        _written(chance, header, quantity, rows, delimiter, style), sizes, [100.0 * b / total for b in below], style
+    )
 
 
-def _sizes(chance: random.Random, names: list[str], sizes: list[float], decimal: str, kind: str) -> tuple[str, list[str], str]:
+def _sizes(
+    chance: random.Random, names: list[str], sizes: list[float], decimal: str, kind: str
+) -> tuple[str, list[str], str]:
     """Header and cells of the size column."""
     if names[0].startswith(("N", "3/")):
-        forms = [lambda n: n, lambda n: n.replace("No. ", "#").replace(" in", '"'), lambda n: n.replace("No. ", "Nº ").replace(" in", "″")]
+        forms = [
+            lambda n: n,
+            lambda n: n.replace("No. ", "#").replace(" in", '"'),
+            lambda n: n.replace("No. ", "Nº ").replace(" in", "″"),
+        ]
         forms += [lambda n: n.replace("No. ", "US Std # "), lambda n: n.replace("No. ", "ASTM No. ")]
         form = chance.choice(forms)
         if chance.random() < 0.3:
-            shown = [f"{form(name)} ({number(size, 3, decimal, '')} mm)" for name, size in zip(names, sizes, strict=True)]
+            shown = [
+                f"{form(name)} ({number(size, 3, decimal, '')} mm)" for name, size in zip(names, sizes, strict=True)
+            ]
             return chance.choice(["Sieve", "Sieve size", "Sieve No."]), shown, "both"
         return chance.choice(["sieve", "Sieve", "Sieve No.", "Tamiz", "Sieb"]), [form(name) for name in names], "names"
     unit, factor, digits = chance.choice([("mm", 1.0, 3), ("mm", 1.0, 4), ("µm", 1000.0, 0), ("um", 1000.0, 0)])
@@ -137,7 +245,9 @@ def _written(
         lines = [[*line, "remarks" if k == 0 else chance.choice(["", "dry", "ok"])] for k, line in enumerate(lines)]
     above: list[list[str]] = []
     if chance.random() < 0.3:
-        above = [["Sieve analysis"], ["Project", "Quarry 7"], ["Sample", "S-12"], ["Test date", "2023-04-05"]][: chance.randrange(1, 5)]
+        above = [["Sieve analysis"], ["Project", "Quarry 7"], ["Sample", "S-12"], ["Test date", "2023-04-05"]][
+            : chance.randrange(1, 5)
+        ]
     foot = [["Tested by", "A. B."]] if chance.random() < 0.2 else []
     style["above"], style["order"] = len(above), order
     if delimiter == "  ":

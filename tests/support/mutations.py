@@ -1,8 +1,8 @@
 """Inputs gone wrong: mutated sieve tables, case files and result files, and the one rule for what may come of them.
 
-As a script: `python tests/support/mutations.py CSV TOML NETCDF [LAB]`, the numbers of inputs of each kind; every input is
-read in a child process, so that a crash or a hang of a library below is found as one. The kind `lab` is not mutated: its
-tables are written in the styles of laboratories, and rows given must be rows read, or the table refused.
+As a script: `python tests/support/mutations.py CSV TOML NETCDF [LAB]`, the numbers of inputs of each kind; every input
+is read in a child process, so that a crash or a hang of a library below is found as one. The kind `lab` is not
+mutated: its tables are written in the styles of laboratories, and rows given must be rows read, or the table refused.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from lab_tables import table
 
 import comminute as cm
-from lab_tables import table
 
 SANDS = Path(__file__).parents[2] / "examples" / "sands"
 SECONDS = 20  # more than any reading takes; what takes longer hangs
@@ -136,8 +136,7 @@ def read_lab(number: int, path: Path) -> bool:
     try:
         data = read_sieves(path)
     except cm.ParameterError as error:
-        assert str(error).isprintable(), "the message is not one line of text"
-        return False
+        return words_of_refusal(error)
     sizes = [convert(size, data.unit, "mm") for size in data.size]
     found = sorted(zip(sizes, as_per_cent(list(data.percent_finer)), strict=True))
     wanted = sorted(zip(made.size, made.finer, strict=True))
@@ -183,11 +182,16 @@ def try_one(kind: str, data: bytes, folder: Path) -> bool:
     try:
         READERS[kind](path)
     except cm.ParameterError as error:
-        message = str(error)
-        assert message.isprintable(), f"the message is not one line of text: {message!r}"
-        assert len(message) < 600, f"the message has {len(message)} characters"
-        return False
+        return words_of_refusal(error)
     return True
+
+
+def words_of_refusal(error: cm.ParameterError) -> bool:
+    """Give False, for an input that is not read, after a look at the message: one line of words."""
+    message = str(error)
+    assert message.isprintable(), f"the message is not one line of text: {message!r}"
+    assert len(message) < 600, f"the message has {len(message)} characters"
+    return False
 
 
 def batch(kind: str, first: int, count: int) -> None:

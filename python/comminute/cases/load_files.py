@@ -14,12 +14,21 @@ from comminute.util.names import is_file, shorten
 if TYPE_CHECKING:
     from pathlib import Path
 
-PASCALS = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "gpa": 1e9, "bar": 1e5, "psi": 6894.757293168361, "n/mm2": 1e6, "kn/m2": 1e3}
+PASCALS = {
+    "pa": 1.0,
+    "kpa": 1e3,
+    "mpa": 1e6,
+    "gpa": 1e9,
+    "bar": 1e5,
+    "psi": 6894.757293168361,
+    "n/mm2": 1e6,
+    "kn/m2": 1e3,
+}
 NAMES = {"stress": "stress", "stress_ratio": "stress_ratio", "pressure": "stress", "load": "stress"}
 
 
 def read_loads(path: Path, unit: str) -> tuple[str, list[float]]:
-    """Loads of a file, and whether they are "stress" or "stress_ratio".
+    """Read the loads of a file, and say whether they are "stress" or "stress_ratio".
 
     Parameters
     ----------
@@ -52,7 +61,9 @@ def read_loads(path: Path, unit: str) -> tuple[str, list[float]]:
         raise ParameterError(f"{header.place}: give one column, named stress or stress_ratio")
     if not rows:
         raise ParameterError(f"{path.name} has a header but no loads")
-    numerals = [Numeral(plain(line.filled[0].text), line.place, float("inf")) for line in rows if line.filled[0].number is None]
+    numerals = [
+        Numeral(plain(line.filled[0].text), line.place, float("inf")) for line in rows if line.filled[0].number is None
+    ]
     mark = decimal_mark(path.name, numerals, comma_separated=sheet.delimiter == ",")
     loads = []
     for line in rows:

@@ -13,9 +13,9 @@ import numpy as np
 from pydantic import ValidationError
 
 from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, fitting_grid
+from comminute.cases.load_files import read_loads
 from comminute.cases.messages import WORDS, explained, table_place
 from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, MaterialTable, Sieves
-from comminute.cases.load_files import read_loads
 from comminute.gradings.reading import Reading, SieveData, read_sieves
 from comminute.gradings.sieves import IN_MM, convert, unit_of
 from comminute.runs.load_path import load_path
@@ -204,13 +204,15 @@ def _in_table(name: str, table: str, make: Callable[[], Made]) -> Made:
 
 
 def _require_reference_size(case: Case, name: str) -> None:
-    """Refuse a measured grading without the size to which stress ratios refer: 1 would be 1 of whatever unit it has."""
+    """Refuse a measured grading without its reference size: left out, it would be 1 of whatever unit the case has."""
     measured = isinstance(case.grading, GradingFile | Sieves)
     if measured and "reference_size" not in case.material.model_fields_set:
         unit = case.units.size
         one = f"{convert(1.0, 'mm', unit):.6g}" if unit_of(unit) else "1"
-        rule = "stress ratios and first_crush_stress refer to it, and a measured grading has sizes in a unit: add the line "
-        rule += f"reference_size = {one} (in {unit}: 1 {'mm' if unit_of(unit) else unit}, or the size that they refer to)"
+        rule = "stress ratios and first_crush_stress refer to it, and measured sizes have a unit: add the line "
+        rule += (
+            f"reference_size = {one} (in {unit}: 1 {'mm' if unit_of(unit) else unit}, or the size that they refer to)"
+        )
         raise parameter_error("reference_size", "missing", rule, place=table_place(name, "material"))
 
 

@@ -216,7 +216,7 @@ def _run_again(file: Path, output: Path | None, *, as_json: bool, force: bool) -
 
 @app.command()
 @plain_errors
-def stats(  # noqa: PLR0913  (its options)
+def stats(
     file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
     number: Number = SIEVES["number"],
     top: Top = SIEVES["top"],
@@ -239,7 +239,7 @@ def stats(  # noqa: PLR0913  (its options)
 
 @app.command()
 @plain_errors
-def plot(  # noqa: PLR0913  (its options)
+def plot(
     file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Picture: .png, .pdf or .svg.")] = None,
     what: Annotated[str, typer.Option("--what", help="gradings, fabric or index.")] = "gradings",

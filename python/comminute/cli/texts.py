@@ -147,7 +147,9 @@ def result_table(result: Result) -> str:
     """Whole table of a result."""
     rows = load_rows(result)
     stress_unit = result.recipe.stress_unit if result.recipe else ""
-    return "\n".join([_header(rows[0], stress_unit, result.unit), *(_line(row, stress_unit, result.unit) for row in rows)])
+    return "\n".join(
+        [_header(rows[0], stress_unit, result.unit), *(_line(row, stress_unit, result.unit) for row in rows)]
+    )
 
 
 def print_remarks(result: Result) -> None:

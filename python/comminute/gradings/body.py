@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from comminute._core import ParameterError
+from comminute.gradings.faults import fault
 from comminute.gradings.headers import meaning_of
 from comminute.gradings.layout import is_blank
 from comminute.gradings.numerals import digits_of
 from comminute.gradings.openings import row_meaning
-from comminute.util.names import shorten
 from comminute.gradings.words import plain
+from comminute.util.names import shorten
 
 if TYPE_CHECKING:
     from comminute.gradings.layout import Column, Layout
@@ -71,10 +72,14 @@ def sorted_body(layout: Layout, sizes: list[Column], values: list[Column], *, fi
     for line in (*told, *skipped):
         body.notes.append(f"{line.place}, '{shorten(line.filled[0].text)}', is no sieve and is not used")
     ends = [line for line in layout.body if line in body.sieves or line in body.pan]
-    if body.pan and body.pan[0] not in (ends[0], ends[-1]) and all(is_blank(column.cell(body.pan[0])) for column in sizes):
-        raise ParameterError(f"{body.pan[0].place} has no size and stands between sieves; name its size, or name it pan")
+    if (
+        body.pan
+        and body.pan[0] not in (ends[0], ends[-1])
+        and all(is_blank(column.cell(body.pan[0])) for column in sizes)
+    ):
+        raise fault("", f"{body.pan[0].place} has no size and stands between sieves", "name its size, or name it pan")
     if len(body.pan) > 1:
-        raise ParameterError(f"{body.pan[1].place}: a second pan; a table has one")
+        raise fault(body.pan[1].place, "a second pan", "a table has one")
     return body
 
 
@@ -102,7 +107,7 @@ def _is_nought(column: Column, line: Line) -> bool:
 def _is_words(line: Line) -> bool:
     """Whether a line says something rather than naming a sieve: a signature, a date, a remark."""
     first = line.filled[0].text
-    return not any(c.isdigit() for c in first) or len(line.filled) == 1 and len(plain(first).split()) > 2
+    return not any(c.isdigit() for c in first) or (len(line.filled) == 1 and len(plain(first).split()) > 2)
 
 
 def _refuse_second_header(layout: Layout, line: Line) -> None:
@@ -110,8 +115,10 @@ def _refuse_second_header(layout: Layout, line: Line) -> None:
         return
     kinds = [meaning_of(cell.text).kind for cell in line.filled]
     if "size" in kinds and "value" in kinds:
-        raise ParameterError(
-            f"{line.place} is a second header: {layout.name} holds two tables; give each a file or a sheet of its own"
+        raise fault(
+            "",
+            f"{line.place} is a second header: {layout.name} holds two tables",
+            "give each a file or a sheet of its own",
         )
 
 
@@ -122,9 +129,10 @@ def _require_width(layout: Layout, line: Line, needed_columns: list[Column]) -> 
     needed = max((column.index + 1 for column in needed_columns), default=0)
     if extra or len(line.cells) < needed:
         commas = " (decimal commas need semicolons or tabs between columns)" if extra and layout.comma_separated else ""
-        raise ParameterError(
-            f"{line.place}: {len(line.cells)} columns, but the header names {width}; give every row one value for each "
-            f"column{commas}"
+        raise fault(
+            line.place,
+            f"{len(line.cells)} columns, but the header names {width}",
+            f"give every row one value for each column{commas}",
         )
 
 
@@ -148,7 +156,12 @@ def chosen_sample(layout: Layout, sample: str | int | None) -> Layout:
         notes = (*layout.notes, note) if len(wide) > 1 else layout.notes
         return replace(layout, columns=columns, notes=notes)
     if sample is not None:
-        raise ParameterError(f"sample is '{sample}', but {layout.name} has one sample without a name; leave it out")
+        raise fault(
+            "",
+            f"sample is '{sample}', but {layout.name} has one sample without a name",
+            "leave it out",
+            parameter="sample",
+        )
     return layout
 
 
@@ -158,8 +171,10 @@ def _in_any(column: Column, wide: dict[str, list[Column]]) -> bool:
 
 def _listed(names: list[str]) -> str:
     shown = ", ".join(repr(shorten(name, 24)) for name in names[:SAMPLES_SHOWN])
-    return shown + (f" and {len(names) - SAMPLES_SHOWN} more" if len(names) > SAMPLES_SHOWN else "") + (
-        " is" if len(names) == 1 else " are"
+    return (
+        shown
+        + (f" and {len(names) - SAMPLES_SHOWN} more" if len(names) > SAMPLES_SHOWN else "")
+        + (" is" if len(names) == 1 else " are")
     )
 
 
@@ -170,12 +185,14 @@ def _asked(layout: Layout, names: list[str], sample: str | int | None, where: st
     if sample is None:
         if len(names) == 1:
             return names[0]
-        raise ParameterError(
-            f"{layout.name} holds {len(names)} samples in its {where}, {listed}; name one, sample = '{shorten(names[0], 24)}'"
+        raise fault(
+            "",
+            f"{layout.name} holds {len(names)} samples in its {where}, {listed}",
+            f"name one, sample = '{shorten(names[0], 24)}'",
         )
     found = [name for name in names if name.casefold() == str(sample).strip().casefold()]
     if not found:
-        raise ParameterError(f"sample is '{shorten(str(sample))}'; {layout.name} has {listed}")
+        raise fault("", f"sample is '{shorten(str(sample))}'", f"{layout.name} has {listed}", parameter="sample")
     return found[0]
 
 
@@ -197,13 +214,17 @@ def _sample_column(layout: Layout) -> Column | None:
     sizes = layout.of_kind("size")
     values = [_rough(sizes[0].cell(line).text) for line in layout.body] if sizes else []
     known = [value for value in values if value is not None]
-    steps = [b - a for a, b in zip(known, known[1:], strict=False)]
+    steps = [b - a for a, b in pairwise(known)]
     if not any(step > 0 for step in steps) or not any(step < 0 for step in steps):
         return None
     for column in layout.of_kind("unknown"):
         names = _filled_down(layout, column)
         counts = [names.count(name) for name in dict.fromkeys(names)]
-        if len(counts) > 1 and min(counts) > 1 and all(column.cell(line).text or k for k, line in enumerate(layout.body)):
+        if (
+            len(counts) > 1
+            and min(counts) > 1
+            and all(column.cell(line).text or k for k, line in enumerate(layout.body))
+        ):
             return column
     return None
 
@@ -240,9 +261,10 @@ def _sample_columns(layout: Layout, *, named: bool) -> dict[str, list[Column]]:
                 found.setdefault(_name_of(column), []).append(column)
             if len(found) == 1 and not named:
                 two = next(column for column in values if names.count(column.meaning.name) > 1)
-                raise ParameterError(
-                    f"{layout.header.place}: {names.count(two.meaning.name)} columns are named '{two.header}'; "
-                    "name the sample of each, or leave one"
+                raise fault(
+                    layout.header.place,
+                    f"{names.count(two.meaning.name)} columns are named '{two.header}'",
+                    "name the sample of each, or leave one",
                 )
         return found
     for column in layout.of_kind("unknown"):

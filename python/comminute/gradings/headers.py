@@ -42,7 +42,7 @@ class Meaning:
 
 
 def unit_in(text: str) -> str:
-    """Unit that a word names: one of nm, um, mm, cm, m, in, "phi", "%", a unit of mass, or nothing."""
+    """Find the unit that a word names: one of nm, um, mm, cm, m, in, "phi", "%", a unit of mass, or nothing."""
     word = plain(text).strip(" []().").replace(" ", "")
     if word in ("M", "G"):
         return ""
@@ -103,7 +103,14 @@ def meaning_of(header: str) -> Meaning:  # noqa: PLR0911  (one return for each k
     if found & {"size", "upper", "lower"} and "sample" not in found:
         if rest and folded(header).startswith("size_"):
             return Meaning("unknown", rest=header)
-        bare = found == {"size"} and set(folded(words).split()) <= {"sieve", "sieves", "sieb", "tamis", "tamiz", "peneira"}
+        bare = found == {"size"} and set(folded(words).split()) <= {
+            "sieve",
+            "sieves",
+            "sieb",
+            "tamis",
+            "tamiz",
+            "peneira",
+        }
         return Meaning("size", "sieve" if bare else "opening", "", _edge(found), rest)
     if "sample" in found:
         return Meaning("sample")
@@ -123,7 +130,9 @@ def _value(found: frozenset[str], unit: str, rest: str, header: str) -> Meaning:
     percent = bool(found & {"percent", "fraction"}) and not unit
     mass = bool(unit) or ("mass" in found and not percent)
     count = "count" in found and not unit
-    if mass and ("vessel" in found or "+" in header or ("size" in found and not found & {"retained", "finer", "coarser"})):
+    if mass and (
+        "vessel" in found or "+" in header or ("size" in found and not found & {"retained", "finer", "coarser"})
+    ):
         return Meaning("unused", "a sieve's own mass")
     if {"finer", "retained"} <= found or {"finer", "coarser"} <= found:
         return Meaning("unknown", rest=header)

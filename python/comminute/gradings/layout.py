@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from comminute._core import ParameterError
+from comminute.gradings.faults import fault
 from comminute.gradings.headers import SIZES, VALUES, Meaning, meaning_of, near_word, unit_in, units_of
 from comminute.gradings.openings import Style, read_size, row_meaning
 from comminute.gradings.sheets import Cell, Line, Sheet, require_size, text_sheets
-from comminute.util.names import shorten
 from comminute.gradings.words import NO_UNITS, plain
+from comminute.util.names import shorten
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -82,7 +83,12 @@ def open_layout(path: Path, sheet: str | int | None) -> Layout:
     require_size(path)
     if path.suffix.lower() not in WORKBOOKS:
         if sheet is not None:
-            raise ParameterError(f"sheet is '{sheet}', but {path.name} is a text file, which has no sheets; leave it out")
+            raise fault(
+                "",
+                f"sheet is '{sheet}', but {path.name} is a text file, which has no sheets",
+                "leave it out",
+                parameter="sheet",
+            )
         return _of_text(text_sheets(path))
     from comminute.gradings.workbooks import workbook_sheets  # noqa: PLC0415  (openpyxl is optional)
 
@@ -95,24 +101,26 @@ def open_layout(path: Path, sheet: str | int | None) -> Layout:
         number = int(sheet) if str(sheet).isdecimal() else 0
         wanted = wanted or sheets[number - 1 : number]
         if not wanted or (number < 1 and not wanted):
-            raise ParameterError(f"sheet is '{sheet}'; {path.name} has {', '.join(map(repr, names))}")
+            raise fault("", f"sheet is '{sheet}'", f"{path.name} has {', '.join(map(repr, names))}", parameter="sheet")
         return _of_text(wanted[:1])
     found = [layout for one in sheets if (layout := find_layout(one)) is not None]
     if not found:
         if len(sheets) == 1:
             return _of_text(sheets)
-        raise ParameterError(f"{path.name}: none of its sheets {', '.join(map(repr, names))} has a table of sieves")
+        raise fault(path.name, f"none of its sheets {', '.join(map(repr, names))} has a table of sieves")
     first = found[0]
     others = [name for name in names if name != first.title]
     if others:
         one = len(others) == 1
-        note = f"sheet '{first.title}' of {path.name} is read, {', '.join(map(repr, others))} {'is' if one else 'are'} not"
+        note = (
+            f"sheet '{first.title}' of {path.name} is read, {', '.join(map(repr, others))} {'is' if one else 'are'} not"
+        )
         first = replace(first, notes=(*first.notes, f"{note}; sheet = names another"))
     return first
 
 
 def _empty(name: str) -> ParameterError:
-    return ParameterError(f"{name} is empty; it needs a header line and at least two sieves")
+    return fault("", f"{name} is empty", "it needs a header line and at least two sieves")
 
 
 def _of_text(sheets: list[Sheet]) -> Layout:
@@ -165,7 +173,7 @@ def _uncommented(line: Line) -> Line:
 
 
 def _upright(sheet: Sheet, *, strong: bool, numbers: bool, comments: tuple[Line, ...] | None = None) -> Layout | None:
-    """Table whose header is a line that names a size and, if `strong`, a quantity; `numbers` lets samples be numbers."""
+    """Table whose header names a size and, if `strong`, a quantity; `numbers` lets names of samples be numbers."""
     lines = [line for line in sheet.lines if not line.comment]
     best: tuple[int, int, int] | None = None
     for at, _ in enumerate(lines[:MOST_LINES_ABOVE]):
@@ -186,7 +194,14 @@ def _upright(sheet: Sheet, *, strong: bool, numbers: bool, comments: tuple[Line,
         body = tuple(line for line in body if line in comments)
     columns = _size_by_content(_columns(titles), body)
     return Layout(
-        sheet.name, sheet.title, lines[at], tuple(columns), body, tuple(lines[:at]), len(titles), sheet.delimiter in ("", ",")
+        sheet.name,
+        sheet.title,
+        lines[at],
+        tuple(columns),
+        body,
+        tuple(lines[:at]),
+        len(titles),
+        sheet.delimiter in ("", ","),
     )
 
 
@@ -200,8 +215,10 @@ def _titles(lines: list[Line]) -> list[str]:
 
 def _is_units(line: Line) -> bool:
     """Whether a line holds nothing but units."""
-    return bool(line.filled) and all(unit_in(cell.text) or cell.text in NO_UNITS for cell in line.filled) and not any(
-        cell.number is not None or cell.text.isdecimal() for cell in line.filled
+    return (
+        bool(line.filled)
+        and all(unit_in(cell.text) or cell.text in NO_UNITS for cell in line.filled)
+        and not any(cell.number is not None or cell.text.isdecimal() for cell in line.filled)
     )
 
 
@@ -212,7 +229,7 @@ def _with_unit(sheet: Sheet, line: Line, title: str, index: int) -> str:
         return title
     said = units_of(title)[0]
     if said - {unit, "%"} and unit != "%":
-        raise ParameterError(f"{line.place}: '{text}' stands below '{title}', whose unit is {', '.join(sorted(said))}")
+        raise fault(line.place, f"'{text}' stands below '{title}', whose unit is {', '.join(sorted(said))}")
     return title if said else f"{title} [{unit}]"
 
 
@@ -271,7 +288,7 @@ def _explicit(text: str) -> bool:
     return True
 
 
-def _why_none(sheet: Sheet) -> ParameterError:  # noqa: PLR0911  (one return for each reason)
+def _why_none(sheet: Sheet) -> ParameterError:
     """Reason why a sheet has no header, and what to write."""
     lines = [line for line in sheet.lines if not line.comment]
     if not lines:
@@ -280,13 +297,14 @@ def _why_none(sheet: Sheet) -> ParameterError:  # noqa: PLR0911  (one return for
     numbers = [line for line in lines if line.filled and all(cell.numeric for cell in line.filled)]
     first = lines[0]
     if widest == 1 and len(numbers) >= 2:
-        return ParameterError(
-            f"{sheet.name} has one column of numbers: a list of grains is no table of sieves; count them by classes, or "
-            "weigh them, and give a column of sizes and one of values (size_mm,count)"
+        return fault(
+            "",
+            f"{sheet.name} has one column of numbers: a list of grains is no table of sieves",
+            "count them by classes, or weigh them, and give a column of sizes and one of values (size_mm,count)",
         )
     if numbers and numbers[0] is first:
-        return ParameterError(
-            f"{first.place} holds numbers; a header is missing: write one above, such as size_mm,percent_finer"
+        return fault(
+            "", f"{first.place} holds numbers", "a header is missing: write one above, such as size_mm,percent_finer"
         )
     rows = [(line, [meaning_of(cell.text) for cell in line.filled]) for line in lines[:MOST_LINES_ABOVE]]
     line, meanings = max(rows, key=lambda row: sum(m.kind in ("size", "value") for m in row[1]))
@@ -300,9 +318,7 @@ def _why_none(sheet: Sheet) -> ParameterError:  # noqa: PLR0911  (one return for
     else:
         meant = next((f"; did you mean {near} by '{shorten(text)}'?" for text, near in hints if near in VALUES), "")
         what, known = "value", VALUES
-    return ParameterError(
-        f"{line.place}: the header names no {what} column; it must name one of {', '.join(known)}{meant}"
-    )
+    return fault(line.place, f"the header names no {what} column", f"it must name one of {', '.join(known)}{meant}")
 
 
 def is_blank(cell: Cell) -> bool:

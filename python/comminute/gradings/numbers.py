@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from comminute._core import ParameterError
+from comminute.gradings.faults import fault
 from comminute.gradings.headers import unit_in
 from comminute.gradings.numerals import digits_of
-from comminute.util.names import shorten
 from comminute.gradings.words import GRAMS, plain
+from comminute.util.names import shorten
 
 if TYPE_CHECKING:
     from comminute.gradings.layout import Column
@@ -19,7 +19,7 @@ UNIT = re.compile(r"(.*[0-9.,])\s*(%|[a-z%]+\.?)")
 
 
 def numeral_in(cell: Cell) -> str:
-    """Number of a cell without its unit; empty where the file stores a number, whose marks are no question."""
+    """Cut the unit off a number; empty where the file stores a number itself, whose marks are no question."""
     if cell.number is not None:
         return ""
     text = plain(cell.text)
@@ -50,13 +50,13 @@ def value_of(column: Column, line: Line, mark: str) -> float:
         more = " (a decimal comma needs semicolons or tabs between columns)" if "," in cell.text and mark == "." else ""
         if cell.text.startswith("="):
             more = "; it is a formula without its value: save the file in a spreadsheet program"
-        raise ParameterError(f"{where}: the value {what}; it must be a number{more}")
+        raise fault(where, f"the value {what}", f"it must be a number{more}")
     if unit and (unit in GRAMS) != mass and not (unit == "%" and not mass):
-        raise ParameterError(f"{where}: the value is '{shorten(cell.text)}'; its unit is not that of the column")
+        raise fault(where, f"the value is '{shorten(cell.text)}'", "its unit is not that of the column")
     if mass:
         value *= GRAMS[unit or meaning.unit or "g"]
     most = 100.0 * (1.0 + 1e-9) if meaning.name.startswith("percent") else float("inf")
     if value < -1e-9 or value > most:
         rule = "between 0 and 100" if meaning.name.startswith("percent") else "at least 0"
-        raise ParameterError(f"{where}: the value is {value:.4g}; it must be {rule}")
+        raise fault(where, f"the value is {value:.4g}", f"it must be {rule}")
     return 0.0 if value < 0.0 else value

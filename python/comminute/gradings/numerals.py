@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from comminute._core import ParameterError
+from comminute.gradings.faults import fault
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -82,7 +82,7 @@ def decimal_mark(name: str, numerals: Iterable[Numeral], *, comma_separated: boo
     either: list[Numeral] = []
     for numeral in numerals:
         point, comma = digits_of(numeral.text, "."), digits_of(numeral.text, ",")
-        if point is None and comma is None or point == comma:
+        if (point is None and comma is None) or point == comma:
             continue
         if point is None or (comma is not None and abs(point) > numeral.most >= abs(comma)):
             commas.append(numeral)
@@ -92,16 +92,20 @@ def decimal_mark(name: str, numerals: Iterable[Numeral], *, comma_separated: boo
             either.append(numeral)
     if points and commas:
         one, two = points[0], commas[0]
-        raise ParameterError(
-            f"{two.place}: '{two.text}' is {digits_of(two.text, ','):.4g} with a decimal comma, but {one.place} has "
-            f"'{one.text}', {digits_of(one.text, '.'):.4g} with a decimal point; write one decimal mark throughout"
+        raise fault(
+            two.place,
+            f"'{two.text}' is {digits_of(two.text, ','):.4g} with a decimal comma, but {one.place} has "
+            f"'{one.text}', {digits_of(one.text, '.'):.4g} with a decimal point",
+            "write one decimal mark throughout",
         )
     if not either or points or commas:
         return "," if commas else "."
     if comma_separated and all("," not in numeral.text for numeral in either):
         return "."
     first = either[0]
-    raise ParameterError(
-        f"{first.place}: '{first.text}' may be {digits_of(first.text, '.'):.4g} or {digits_of(first.text, ','):.4g}, "
-        f"and no other number of {name} tells a decimal mark from a thousands mark; write numbers without thousands marks"
+    raise fault(
+        first.place,
+        f"'{first.text}' may be {digits_of(first.text, '.'):.4g} or {digits_of(first.text, ','):.4g}, "
+        f"and no other number of {name} tells a decimal mark from a thousands mark",
+        "write numbers without thousands marks",
     )

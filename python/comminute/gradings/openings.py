@@ -7,22 +7,26 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from comminute._core import ParameterError
 from comminute.gradings.headers import unit_in
 from comminute.gradings.numerals import digits_of
 from comminute.gradings.sieves import convert, designated
-from comminute.util.names import shorten
 from comminute.gradings.words import LENGTHS, folded, meanings_of, plain
+from comminute.util.errors import parameter_error
+from comminute.util.names import shorten
 
 AGREE = 0.03  # relative difference of openings up to which a designation and an opening name one sieve
 Kind = Literal["sieve", "finer", "coarser", "class"]
-_FINER = r"<=?|≤|less than|smaller than|finer than|passing|passes|passed|minus|under|below|thru|through|unter|kleiner als|kleiner|<\s*no"
+_FINER = r"<=?|≤|less than|smaller than|finer than|passing|passes|passed|minus|under|below|thru|through|unter"
+_FINER += r"|kleiner als|kleiner"
 _FINER += r"|menor que|menor a|menos de|inferieur a|moins de|pasa|passante|minore di|minus no"
-_COARSER = r">=?|≥|\+|greater than|larger than|coarser than|retained on|retained|plus|over|above|uber|grosser als|grosser|mayor que"
+_COARSER = r">=?|≥|\+|greater than|larger than|coarser than|retained on|retained|plus|over|above"
+_COARSER += r"|uber|grosser als|grosser|mayor que"
 _COARSER += r"|superieur a|maior que|maggiore di"
 _BETWEEN = r"\s*(?:~|\bto\b|\bbis\b|\ba\b|\bate\b|\band\b|/|-)\s*"
-_NAMES = r"(?:u\.?\s?s\.?|astm|iso|din|bs|std\.?|standard|sieve|no\.?|nr\.?|num\.?|#|mesh|tamiz|malla|peneira|tamis|sieb|tyler"
-_NAMES += r"|series|alternative|ふるい|筛)\s*"
+_NAMES = (
+    r"(?:u\.?\s?s\.?|astm|iso|din|bs|std\.?|standard|sieve|no\.?|nr\.?|num\.?|#|mesh|tamiz|malla|peneira|tamis|sieb"
+)
+_NAMES += r"|tyler|series|alternative|ふるい|筛)\s*"
 _FRACTION = re.compile(r"(?:([0-9]+)\s?[- ]\s?)?([0-9]+)\s?/\s?([0-9]+)")
 _INCH = r'(?:"|in\.?|inch(?:es)?|inches|zoll|pulg\.?|pulgadas?|pol\.?|polegadas?|pouces?|pollici|pollice|po)'
 
@@ -92,13 +96,13 @@ def read_size(text: str, style: Style) -> Size:
     Raises
     ------
     ParameterError
-        For a cell that names none; the message goes on from "the value" or "sieve".
+        For a cell that names none; its parameter is "the value".
     """
     words = folded(text)
     try:
         return _open_class(words, style) or _closed_class(words, style) or _single(words, style)
     except _NoSizeError as reason:
-        raise ParameterError(f"is {reason.value or repr(shorten(text))}; {reason.rule}") from None
+        raise parameter_error("the value", reason.value or repr(shorten(text)), reason.rule) from None
 
 
 def _open_class(words: str, style: Style) -> Size | None:
@@ -106,7 +110,10 @@ def _open_class(words: str, style: Style) -> Size | None:
     signs = {"finer": rf"(?:{_FINER}|-)", "coarser": rf"(?:{_COARSER})"}
     if style.unit == "phi":
         signs = {"finer": r"(?:<=?|≤)", "coarser": r"(?:>=?|≥)"}
-    both = re.fullmatch(rf"({signs['finer']}|{signs['coarser']})\s*(.+?)\s*[,;/]?\s*(?:{signs['coarser']}|{signs['finer']})\s*(.+)", words)
+    both = re.fullmatch(
+        rf"({signs['finer']}|{signs['coarser']})\s*(.+?)\s*[,;/]?\s*(?:{signs['coarser']}|{signs['finer']})\s*(.+)",
+        words,
+    )
     if both and style.unit != "phi" and _is_size(both[2], style) and _is_size(both[3], style):
         return _class(_single(both[2], style), _single(both[3], style))
     between = re.fullmatch(r"(.+?)\s*(?:<=?|≤)\s*[a-z]\s*(?:<=?|≤)\s*(.+)", words)
@@ -169,7 +176,9 @@ def _single(words: str, style: Style) -> Size:
     bracket = re.fullmatch(r"(.*?)\s*[(\[=]\s*(.*[0-9].*?)\s*[)\]]?", words)
     if bracket and bracket[1]:
         outer = _bare(bracket[1], style)
-        inner = _bare(bracket[2], Style("mm" if style.unit in ("", "no", "in", "phi") else style.unit, style.mark, style.mesh))
+        inner = _bare(
+            bracket[2], Style("mm" if style.unit in ("", "no", "in", "phi") else style.unit, style.mark, style.mesh)
+        )
         here, there = (convert(size.opening, size.unit, "mm") for size in (outer, inner))
         if not (here > 0.0 and there > 0.0 and abs(math.log(here / there)) <= AGREE):
             raise _NoSizeError(f"it names two sizes, {here:.4g} mm and {there:.4g} mm; give one")

@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from comminute._core import ParameterError
+from comminute.gradings.faults import fault
 from comminute.gradings.words import meanings_of
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def _letters(index: int) -> str:
 def require_size(path: Path) -> None:
     """Refuse a file too large to be a table of sieves."""
     if path.stat().st_size > MOST_BYTES:
-        raise ParameterError(f"{path.name} has {path.stat().st_size / 1e6:.0f} MB; a sieve table has a few lines")
+        raise fault("", f"{path.name} has {path.stat().st_size / 1e6:.0f} MB", "a sieve table has a few lines")
 
 
 def text_sheets(path: Path) -> list[Sheet]:
@@ -119,7 +119,7 @@ def _decoded(path: Path) -> str:
                 continue
         text = max(readings, key=lambda reading: len(meanings_of(reading[:2000])[0]))
     if "\x00" in text:
-        raise ParameterError(f"{path.name} is no text file (it holds zero bytes); save the table as CSV")
+        raise fault("", f"{path.name} is no text file (it holds zero bytes)", "save the table as CSV")
     return text
 
 
@@ -158,13 +158,15 @@ def _joined(name: str, lines: list[tuple[int, str]], delimiter: str) -> Iterator
             if "unexpected end" in str(error) and number - first < 3:
                 waiting = (first, text)
                 continue
-            raise ParameterError(
-                f"{name} row {first}: {'unexpected end of data' if waiting else error}; close every quotation mark"
+            raise fault(
+                "",
+                f"{name} row {first}: {'unexpected end of data' if waiting else error}",
+                "close every quotation mark",
             ) from None
         waiting = None
         yield first, text
     if waiting is not None:
-        raise ParameterError(f"{name} row {waiting[0]}: unexpected end of data; close every quotation mark")
+        raise fault("", f"{name} row {waiting[0]}: unexpected end of data", "close every quotation mark")
 
 
 def is_comment(cells: tuple[Cell, ...]) -> bool:

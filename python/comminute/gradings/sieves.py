@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from comminute.util.errors import parameter_error
+from comminute._core import ParameterError
+from comminute.util.errors import parameter_error, reworded
 from comminute.util.names import shorten
 
 if TYPE_CHECKING:
@@ -191,9 +192,9 @@ def sieve_size(name: str, *, mesh: str = "astm") -> float:
     try:
         size = read_size(name, Style("no", mark, mesh))
     except ParameterError as error:
-        raise ParameterError(f"sieve {error}") from None
+        raise reworded(error, changed={"parameter": "sieve"}) from None
     if size.kind != "sieve":
-        raise ParameterError(f"sieve is '{shorten(name)}', a class; it must be one sieve")
+        raise parameter_error("sieve", f"'{shorten(name)}', a class", "it must be one sieve")
     return convert(size.opening, size.unit, "mm")
 
 
@@ -201,7 +202,7 @@ def require_mesh(mesh: str) -> None:
     """Raise ParameterError unless `mesh` names a series of sieve numbers."""
     if mesh not in SERIES_OF_NUMBERS:
         known = ", ".join(f"'{name}'" for name in SERIES_OF_NUMBERS)
-        raise ParameterError(f"mesh is '{mesh}'; it must be one of {known}")
+        raise parameter_error("mesh", f"'{mesh}'", f"it must be one of {known}")
 
 
 SERIES_OF_NUMBERS = {"astm": "ASTM E11", "tyler": "Tyler"}
@@ -209,7 +210,7 @@ _NEAR = 0.15  # relative difference up to which a sieve may be the one that was 
 
 
 def designated(number: float, mesh: str) -> tuple[float | None, str]:
-    """Opening in mm of the sieve that a number of a series names, or else why there is none.
+    """Find the opening in mm of the sieve that a number of a series names, or else why there is none.
 
     Parameters
     ----------
@@ -240,7 +241,7 @@ def designated(number: float, mesh: str) -> tuple[float | None, str]:
 
 
 def _inches(name: str) -> float:
-    """Number of inches in a designation such as "1-1/2"."""
+    """Read the number of inches in a designation such as "1-1/2"."""
     whole, _, part = name.rpartition("-")
     over, _, under = part.partition("/")
     return float(whole or 0) + (float(over) / float(under) if under else float(over))

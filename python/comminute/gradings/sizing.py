@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from comminute._core import ParameterError
+from comminute.gradings.agreement import is_numbered, require_same_sieves, same_opening
+from comminute.gradings.faults import fault
 from comminute.gradings.layout import is_blank
-from comminute.gradings.openings import AGREE, Size, Style, read_size
+from comminute.gradings.openings import Size, Style, read_size
 from comminute.gradings.sieves import SERIES_OF_NUMBERS, convert
-from comminute.util.names import shorten
 from comminute.gradings.words import LENGTHS
+from comminute.util.errors import reworded
+from comminute.util.names import shorten
 
 if TYPE_CHECKING:
     from comminute.gradings.layout import Column, Layout
@@ -53,14 +57,25 @@ def style_of(column: Column, mark: str, mesh: str, lines: list[Line]) -> Style:
     meaning = column.meaning
     unit = {"phi": "phi", "designation": "no", "sieve": "no"}.get(meaning.name, meaning.unit)
     pairs = [re.fullmatch(r"([0-9.,]+)\s*/\s*([0-9.,]+)", column.cell(line).text) for line in lines]
-    edges = [(float(p[1].replace(",", ".")), float(p[2].replace(",", "."))) for p in pairs if p and p[1].count(".") < 2 and p[2].count(".") < 2 and p[1].count(",") + p[2].count(",") < 2]
-    joined = sum(a[0] == b[1] or a[1] == b[0] for a, b in zip(edges, edges[1:], strict=False))
+    edges = [
+        (float(p[1].replace(",", ".")), float(p[2].replace(",", ".")))
+        for p in pairs
+        if p and p[1].count(".") < 2 and p[2].count(".") < 2 and p[1].count(",") + p[2].count(",") < 2
+    ]
+    joined = sum(a[0] == b[1] or a[1] == b[0] for a, b in pairwise(edges))
     slashes = unit not in ("no", "in", "") and len(edges) > 1 and joined == len(edges) - 1
     return Style(unit, mark, mesh, slashes)
 
 
-def sized(  # noqa: PLR0913
-    layout: Layout, columns: list[Column], lines: list[Line], *, unit: str | None, mark: str, mesh: str | None, finer: bool
+def sized(
+    layout: Layout,
+    columns: list[Column],
+    lines: list[Line],
+    *,
+    unit: str | None,
+    mark: str,
+    mesh: str | None,
+    finer: bool,
 ) -> Sized:
     """Sizes of all rows.
 
@@ -87,7 +102,7 @@ def sized(  # noqa: PLR0913
     """
     if any(column.meaning.edge == "middle" for column in columns):
         header = next(column.header for column in columns if column.meaning.edge == "middle")
-        raise ParameterError(f"{layout.header.place}, column {header}: middles of classes; give the sieves between them")
+        raise fault(f"{layout.header.place}, column {header}", "middles of classes", "give the sieves between them")
     main, others, low, high = _roles(layout, columns)
     styles = {column.index: style_of(column, mark, mesh or "astm", lines) for column in columns}
     rows: list[tuple[Line, Size]] = []
@@ -99,10 +114,14 @@ def sized(  # noqa: PLR0913
         rows.append((line, size))
     if main.meaning.name == "sieve":
         _require_order_of_numbers(layout, main, rows)
-    _require_agreement(rows, others, styles, mesh)
-    numbers = any(size.named == "mesh" for _, size in rows) or any(_named(c, line, styles) for c in others for line in lines)
+    require_same_sieves(rows, others, styles, mesh)
+    numbers = any(size.named == "mesh" for _, size in rows) or any(
+        is_numbered(c, line, styles) for c in others for line in lines
+    )
     if mesh is not None and not numbers:
-        raise ParameterError(f"mesh is '{mesh}', but {layout.name} names no sieve by a number; leave it out")
+        raise fault(
+            "", f"mesh is '{mesh}', but {layout.name} names no sieve by a number", "leave it out", parameter="mesh"
+        )
     to = unit or _unit_of(main, rows)
     made = _ordered(layout, rows, to, finer=finer)
     made.edge = main.meaning.edge if high is None else ""
@@ -122,9 +141,10 @@ def _roles(layout: Layout, columns: list[Column]) -> tuple[Column, list[Column],
     main, others = order[0], order[1:]
     twins = [c for c in others if c.meaning.name == main.meaning.name and c.meaning.unit == main.meaning.unit]
     if twins:
-        raise ParameterError(
-            f"{layout.header.place}: '{main.header}' and '{twins[0].header}' both name sizes; two tables side by side? "
-            "give each a file or a sheet of its own"
+        raise fault(
+            layout.header.place,
+            f"'{main.header}' and '{twins[0].header}' both name sizes",
+            "two tables side by side? give each a file or a sheet of its own",
         )
     return main, others, None, None
 
@@ -154,10 +174,10 @@ def _parsed(line: Line, column: Column, styles: dict[int, Style], *, finer: bool
     cell, style = column.cell(line), styles[column.index]
     where = f"{line.place}, column {column.header}"
     if not cell.text:
-        raise ParameterError(f"{where}: the value is empty; it must be a size, or the row's name, such as pan")
+        raise fault(where, "the value is empty", "it must be a size, or the row's name, such as pan")
     hashed = cell.text.startswith("#") and style.unit in LENGTH_UNITS
     if hashed:
-        raise ParameterError(f"{where}: '{shorten(cell.text)}' may be a sieve number or a comment; write No. for the former")
+        raise fault(where, f"'{shorten(cell.text)}' may be a sieve number or a comment", "write No. for the former")
     if cell.number is not None and style.unit in LENGTH_UNITS | {"phi"}:
         number = cell.number
         if style.unit in LENGTH_UNITS:
@@ -168,63 +188,24 @@ def _parsed(line: Line, column: Column, styles: dict[int, Style], *, finer: bool
         try:
             size = read_size(cell.text, style)
         except ParameterError as error:
-            raise ParameterError(f"{where}: {'sieve' if style.unit == 'no' else 'the value'} {error}") from None
+            changed = {"parameter": "sieve"} if style.unit == "no" else {}
+            raise reworded(error, outer=where, changed=changed) from None
     minus = size.kind == "finer" and re.match(r"\s*[-\u2212]\s*[0-9.,]", cell.text) and style.unit in LENGTH_UNITS
     shown = -size.opening if minus else size.opening
     if not math.isfinite(size.opening) or size.opening < 0.0 or (minus and finer):
-        raise ParameterError(f"{where}: the value is {shown:.4g}; a size must be greater than 0")
+        raise fault(where, f"the value is {shown:.4g}", "a size must be greater than 0")
     return size
 
 
 def _require_order_of_numbers(layout: Layout, column: Column, rows: list[tuple[Line, Size]]) -> None:
     """Refuse bare numbers that fall from row to row: they may be openings in mm as well as numbers of sieves."""
     bare = [float(text) for line, _ in rows if re.fullmatch(r"[0-9.]+", text := column.cell(line).text)]
-    if len(bare) == len(rows) > 1 and all(b < a for a, b in zip(bare, bare[1:], strict=False)):
-        raise ParameterError(
-            f"{layout.header.place}, column {column.header}: {bare[0]:.4g}, {bare[1]:.4g} may be openings or numbers of "
-            "sieves; name the column size_mm, or write No. before the numbers"
+    if len(bare) == len(rows) > 1 and all(b < a for a, b in pairwise(bare)):
+        raise fault(
+            f"{layout.header.place}, column {column.header}",
+            f"{bare[0]:.4g}, {bare[1]:.4g} may be openings or numbers of sieves",
+            "name the column size_mm, or write No. before the numbers",
         )
-
-
-def _named(column: Column, line: Line, styles: dict[int, Style]) -> bool:
-    try:
-        return read_size(column.cell(line).text, styles[column.index]).named == "mesh"
-    except ParameterError:
-        return False
-
-
-def _require_agreement(rows: list[tuple[Line, Size]], others: list[Column], styles: dict[int, Style], mesh: str | None) -> None:
-    """Refuse rows in which two columns name two sieves; numbers of Tyler's series are told by the openings."""
-    for column in others:
-        wrong: list[str] = []
-        tyler = mesh is None
-        for line, size in rows:
-            style = styles[column.index]
-            here = _in_mm(column, line, style)
-            if here is None or size.kind == "class":
-                continue
-            there = convert(size.opening, size.unit, "mm")
-            if not _same(here, there):
-                wrong.append(
-                    f"{line.place}: column {column.header} has '{column.cell(line).text}', {here:.4g} mm, and the size "
-                    f"beside it is {there:.4g} mm; correct one of them"
-                )
-            other = _in_mm(column, line, Style(style.unit, style.mark, "tyler"))
-            tyler = tyler and other is not None and _same(other, there)
-        if wrong and not tyler:
-            raise ParameterError(wrong[0])
-
-
-def _same(here: float, there: float) -> bool:
-    return here > 0.0 and there > 0.0 and abs(math.log(here / there)) <= AGREE
-
-
-def _in_mm(column: Column, line: Line, style: Style) -> float | None:
-    try:
-        size = read_size(column.cell(line).text, style)
-    except ParameterError:
-        return None
-    return convert(size.opening, size.unit, "mm") if size.kind == "sieve" else None
 
 
 def _unit_of(main: Column, rows: list[tuple[Line, Size]]) -> str:
@@ -252,17 +233,17 @@ def _ordered(layout: Layout, rows: list[tuple[Line, Size]], to: str, *, finer: b
         elif size.kind == "sieve" and edge == 0.0:
             if finer:
                 header = next(c.header for c in layout.of_kind("size"))
-                raise ParameterError(f"{line.place}, column {header}: the value is 0; a size must be greater than 0")
+                raise fault(f"{line.place}, column {header}", "the value is 0", "a size must be greater than 0")
             below.append((line, 0.0))
         else:
             entries.append((edge, line))
     if len(below) > 1:
-        raise ParameterError(f"{below[1][0].place}: a second row for what passes the finest sieve; a table has one pan")
+        raise fault(below[1][0].place, "a second row for what passes the finest sieve", "a table has one pan")
     if below:
         line, edge = below[0]
-        if edge > 0.0 and not (single and _same(edge, min(single))):
+        if edge > 0.0 and not (single and same_opening(edge, min(single))):
             finest = f"{min(single):.4g}" if single else "none"
-            raise ParameterError(f"{line.place}: finer than {edge:.4g} {to}, but the finest sieve is {finest}")
+            raise fault(line.place, f"finer than {edge:.4g} {to}, but the finest sieve is {finest}")
         made.pan = line
     if classes:
         _close_classes(layout, classes, entries, to)
@@ -272,23 +253,31 @@ def _ordered(layout: Layout, rows: list[tuple[Line, Size]], to: str, *, finer: b
     return made
 
 
-def _close_classes(layout: Layout, classes: list[tuple[Line, Size]], entries: list[tuple[float, Line | None]], to: str) -> None:
+def _close_classes(
+    layout: Layout, classes: list[tuple[Line, Size]], entries: list[tuple[float, Line | None]], to: str
+) -> None:
     """Require classes without gap or overlap, and add the sieve that the coarsest of them passes."""
     edges = sorted(
         ((convert(size.upper, size.unit, to), convert(size.opening, size.unit, to), line) for line, size in classes),
         key=lambda edge: -edge[0],
     )
-    for (_, low, _), (high, _, line) in zip(edges, edges[1:], strict=False):
-        if not _same(low, high):
-            raise ParameterError(
-                f"{line.place}: the class begins at {high:.4g} {to}, and the next coarser one ends at {low:.4g} {to}; "
-                "classes follow each other without a gap"
+    for (_, low, _), (high, _, line) in pairwise(edges):
+        if not same_opening(low, high):
+            raise fault(
+                line.place,
+                f"the class begins at {high:.4g} {to}, and the next coarser one ends at {low:.4g} {to}",
+                "classes follow each other without a gap",
             )
     top = edges[0][0]
     for size, line in entries:
-        if line is not None and size > edges[0][1] and not any(line is one for _, _, one in edges) and not _same(size, top):
-            raise ParameterError(f"{line.place}: {size:.4g} {to} lies beside classes that end at {top:.4g} {to}")
-    if not any(_same(size, top) for size, _ in entries):
+        if (
+            line is not None
+            and size > edges[0][1]
+            and not any(line is one for _, _, one in edges)
+            and not same_opening(size, top)
+        ):
+            raise fault(line.place, f"{size:.4g} {to} lies beside classes that end at {top:.4g} {to}")
+    if not any(same_opening(size, top) for size, _ in entries):
         entries.append((top, None))
 
 

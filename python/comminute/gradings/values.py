@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
-from comminute._core import ParameterError
+from comminute.gradings.faults import fault
 
 ROUNDED = 0.5  # per cent by which a laboratory's rounded shares may miss 100
 RESIDUE = 1e-9  # per cent by which a spreadsheet's sums may miss 0 and 100
@@ -66,13 +67,17 @@ def resolved(column: Column, notes: list[str]) -> Column:
     name, of = column.name, f"column '{column.header}' of {column.file}"
     if name not in ("share", "cumulative", "mass_cumulative", "retained"):
         return column
-    falls = all(b <= a + RESIDUE for a, b in zip(column.value, column.value[1:], strict=False))
-    rises = all(b >= a - RESIDUE for a, b in zip(column.value, column.value[1:], strict=False))
+    falls = all(b <= a + RESIDUE for a, b in pairwise(column.value))
+    rises = all(b >= a - RESIDUE for a, b in pairwise(column.value))
     top, total = max(column.value), math.fsum(column.value) + (column.pan or 0.0)
     last = column.value[-1] if column.pan is None else column.pan
     near = [whole for whole in (1.0, 100.0) if abs(total - whole) <= whole * ROUNDED / 100.0]
     found = []
-    if falls and name != "retained" and (name == "mass_cumulative" or any(abs(top - w) <= 1e-3 * w for w in (1.0, 100.0))):
+    if (
+        falls
+        and name != "retained"
+        and (name == "mass_cumulative" or any(abs(top - w) <= 1e-3 * w for w in (1.0, 100.0)))
+    ):
         found.append("mass_finer" if name == "mass_cumulative" else "percent_finer")
     if rises and (name in ("cumulative", "mass_cumulative") or any(abs(last - w) <= 1e-3 * w for w in (1.0, 100.0))):
         found.append("mass_cumulative_retained" if name == "mass_cumulative" else "percent_cumulative_retained")
@@ -89,9 +94,10 @@ def resolved(column: Column, notes: list[str]) -> Column:
         notes.append(f"{of} read as {found[0]}: {why}")
         return Column(**(vars(column) | {"name": found[0]}))
     what = f"its values may be {' or '.join(found)}" if found else "its values do not tell what they are"
-    raise ParameterError(
-        f"{of}: the header names no quantity, and {what}; name it percent_finer, percent_retained, "
-        "percent_cumulative_retained or mass_retained_g"
+    raise fault(
+        "",
+        f"{of}: the header names no quantity, and {what}",
+        "name it percent_finer, percent_retained, percent_cumulative_retained or mass_retained_g",
     )
 
 
@@ -105,9 +111,7 @@ def per_cent_finer(column: Column, notes: list[str]) -> list[float]:
     """
     if column.name == "percent_finer":
         if clean(column.pan or 0.0):
-            raise ParameterError(
-                f"{column.pan_place}: {column.pan:.4g} % finer than the pan, which holds all: leave it out"
-            )
+            raise fault(column.pan_place, f"{column.pan:.4g} % finer than the pan, which holds all: leave it out")
         return list(column.value)
     if column.name == "mass_finer":
         return _from_mass_finer(column, notes)
@@ -130,9 +134,10 @@ def _from_mass_finer(column: Column, notes: list[str]) -> list[float]:
         whole = max(column.value)
         notes.append(f"{whole:.4g} g, the largest mass finer in {column.file}, taken as all of it")
     if not whole > 0.0 or max(column.value) > whole * (1.0 + 1e-9):
-        raise ParameterError(
-            f"{column.file}: {max(column.value):.4g} g are finer than a sieve, of {whole:.4g} g in all; the whole cannot "
-            "be less than a part"
+        raise fault(
+            "",
+            f"{column.file}: {max(column.value):.4g} g are finer than a sieve, of {whole:.4g} g in all",
+            "the whole cannot be less than a part",
         )
     return [clean(100.0 * (value / whole)) for value in column.value]
 
@@ -142,36 +147,39 @@ def _from_cumulative(column: Column, notes: list[str]) -> list[float]:
     whole = 100.0
     if FRACTIONS[0] <= largest <= FRACTIONS[1] and max(column.value) <= FRACTIONS[1]:
         if column.pan is None and clean(largest, 1.0) != 1.0:
-            raise ParameterError(
-                f"{column.file}: the largest {column.name} is {largest:.4g}; are these fractions? give per cent"
+            raise fault(
+                "", f"{column.file}: the largest {column.name} is {largest:.4g}", "are these fractions? give per cent"
             )
         whole = 1.0
         notes.append("the values end at 1: read as fractions, not per cent")
     elif largest < 1.0:
-        raise ParameterError(f"{column.file}: the largest {column.name} is {largest:.4g}; give per cent")
+        raise fault("", f"{column.file}: the largest {column.name} is {largest:.4g}", "give per cent")
     if column.pan is not None:
         if abs(column.pan - whole) > whole * ROUNDED / 100.0:
-            raise ParameterError(
-                f"{column.file}: {column.pan:.4g} % is retained down to the pan, which must hold all: 100 %"
+            raise fault(
+                "", f"{column.file}: {column.pan:.4g} % is retained down to the pan, which must hold all: 100 %"
             )
         if clean(column.pan, whole) != whole:
             notes.append(f"{column.name} of {column.file} ends at {column.pan:.4g}: scaled to {whole:.4g}")
             whole = column.pan
     if max(column.value) > whole * (1.0 + 1e-9):
-        raise ParameterError(f"{column.file}: {max(column.value):.4g} is retained, more than the whole, {whole:.4g}")
+        raise fault("", f"{column.file}: {max(column.value):.4g} is retained, more than the whole, {whole:.4g}")
     return [clean(100.0 * ((whole - value) / whole)) for value in column.value]
 
 
 def _from_cumulative_mass(column: Column) -> list[float]:
     whole = column.pan if column.whole is None else column.whole
     if whole is None:
-        raise ParameterError(
-            f"{column.file}: column '{column.header}' says what is retained down to each sieve, but not what there is in "
-            "all; add a pan row, or give total_mass_g"
+        raise fault(
+            "",
+            f"{column.file}: column '{column.header}' says what stays down to each sieve, but not what there is in all",
+            "add a pan row, or give total_mass_g",
         )
     if not whole > 0.0 or max(column.value) > whole * (1.0 + 1e-9):
-        raise ParameterError(
-            f"{column.file}: {max(column.value):.4g} g are retained, of {whole:.4g} g in all; the whole cannot be less"
+        raise fault(
+            "",
+            f"{column.file}: {max(column.value):.4g} g are retained, of {whole:.4g} g in all",
+            "the whole cannot be less",
         )
     return [clean(100.0 * ((whole - value) / whole)) for value in column.value]
 
@@ -181,17 +189,17 @@ def _from_retained(column: Column, notes: list[str]) -> list[float]:
     name, file = column.name, column.file
     total = math.fsum(column.value) + (column.pan or 0.0)
     if not total > 0.0:
-        raise ParameterError(f"{file}: column {column.header} adds up to 0; some mass must be on the sieves")
+        raise fault("", f"{file}: column {column.header} adds up to 0", "some mass must be on the sieves")
     whole = total
     if name in ("mass_retained_g", "count"):
         whole = _whole_mass(column, total, notes)
     elif total <= 1.0 + ROUNDED / 100.0:
         if column.pan is None or abs(total + column.loss - 1.0) > ROUNDED / 100.0:
-            raise ParameterError(f"{file}: {name} adds up to {total:.4g}; give per cent, not fractions")
+            raise fault("", f"{file}: {name} adds up to {total:.4g}", "give per cent, not fractions")
         notes.append("the values add up to 1: read as fractions, not per cent")
     elif total > 100.0 + ROUNDED or (column.pan is not None and total + column.loss < 100.0 - ROUNDED):
         cumulative = " Cumulative values? name the column percent_cumulative_retained." if total > 100.0 else ""
-        raise ParameterError(f"{file}: {name} adds up to {total:.4g} %, not 100 %.{cumulative}")
+        raise fault("", f"{file}: {name} adds up to {total:.4g} %, not 100 %.{cumulative}")
     elif column.pan is None and total < 100.0 - RESIDUE and not column.upper:
         whole = 100.0
         missing = 100.0 - total
@@ -208,9 +216,12 @@ def _whole_mass(column: Column, total: float, notes: list[str]) -> float:
     """Mass of the sample: what is on the sieves and in the pan, or what it was before washing."""
     if column.whole is not None:
         if column.whole < total * (1.0 - 1e-9):
-            raise ParameterError(
+            raise fault(
+                "",
                 f"total_mass_g is {column.whole:.4g}, less than the {total:.4g} g on the sieves and in the pan of "
-                f"{column.file}; it is the dry mass before washing"
+                f"{column.file}",
+                "it is the dry mass before washing",
+                parameter="total_mass_g",
             )
         washed = max(column.whole - total - column.loss, 0.0)
         notes.append(f"{washed:.4g} g of {column.whole:.4g} g washed out of {column.file}: finer than the finest sieve")
@@ -221,7 +232,7 @@ def _whole_mass(column: Column, total: float, notes: list[str]) -> float:
 
 
 def _summed(column: Column, rest: float, whole: float) -> list[float]:
-    """Per cent finer, added up from the fine end, so that what passes the finest sieve is exactly what is in the pan."""
+    """Per cent finer, added up from the fine end: what passes the finest sieve is exactly what is in the pan."""
     finer = [0.0] * len(column.value)
     passed: list[float] = []
     for q in reversed(range(len(column.value))):

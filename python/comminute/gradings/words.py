@@ -1,3 +1,4 @@
+# ruff: noqa: E501, RUF001  (a table of words; and the signs that look alike are its subject)
 """The words by which laboratories name what a sieve table holds, and what a header of such words means.
 
 `HEADER_WORDS` and `ROW_WORDS` are the one place where a word is known: a new word, or a language, is added there, and
@@ -272,15 +273,70 @@ PERCENTS = frozenset(("%", "percent", "pct", "wt%", "m%", "ma%", "mass%", "vol%"
 NO_UNITS = frozenset(("-", "–", "—", "1", "[-]", "(-)"))
 # words that say nothing of a column's meaning
 FILLERS = frozenset(
-    "by of the on at de que da do des du en and der die im than durch auf em al la le el per pro or volume vol dry grain "
-    "in sample soil aggregate material trocken ma nominal us standard std astm iso din bs number no nr q3 と の し た 的".split()
+    [
+        "by",
+        "of",
+        "the",
+        "on",
+        "at",
+        "de",
+        "que",
+        "da",
+        "do",
+        "des",
+        "du",
+        "en",
+        "and",
+        "der",
+        "die",
+        "im",
+        "than",
+        "durch",
+        "auf",
+        "em",
+        "al",
+        "la",
+        "le",
+        "el",
+        "per",
+        "pro",
+        "or",
+        "volume",
+        "vol",
+        "dry",
+        "grain",
+        "in",
+        "sample",
+        "soil",
+        "aggregate",
+        "material",
+        "trocken",
+        "ma",
+        "nominal",
+        "us",
+        "standard",
+        "std",
+        "astm",
+        "iso",
+        "din",
+        "bs",
+        "number",
+        "no",
+        "nr",
+        "q3",
+        "と",
+        "の",
+        "し",
+        "た",
+        "的",
+    ]
 )
 
 VULGAR = {"½": "1/2", "¼": "1/4", "¾": "3/4", "⅛": "1/8", "⅜": "3/8", "⅝": "5/8", "⅞": "7/8", "⅓": "1/3", "⅔": "2/3"}
 SIGNS = str.maketrans(
-    {c: "-" for c in "\u2212\u2010\u2011\u2012\u2013\u2014\u2015\uff0d"}
-    | {c: '"' for c in "\u2033\u201d\u201c\u301e\uff02"}
-    | {c: "'" for c in "\u2019\u2018\u2032"}
+    dict.fromkeys("−‐‑‒–—―－", "-")
+    | dict.fromkeys("″”“〞＂", '"')
+    | dict.fromkeys("’‘′", "'")
     | {"°": "o", "µ": "μ", "〜": "~", "～": "~", "÷": "~"}
 )
 

@@ -6,7 +6,7 @@ import datetime
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from comminute._core import ParameterError
+from comminute.gradings.faults import fault
 from comminute.gradings.sheets import Cell, Line, Sheet, is_comment
 from comminute.util.names import shorten
 
@@ -33,7 +33,7 @@ def workbook_sheets(path: Path) -> list[Sheet]:
     """
     if path.suffix.lower() in UNREADABLE:
         kind = UNREADABLE[path.suffix.lower()]
-        raise ParameterError(f"{path.name} is {kind}, for which there is no reader here; save it as .xlsx or .csv")
+        raise fault("", f"{path.name} is {kind}, for which there is no reader here", "save it as .xlsx or .csv")
     try:
         import openpyxl  # noqa: PLC0415  (optional)
     except ImportError as error:
@@ -49,7 +49,7 @@ def workbook_sheets(path: Path) -> list[Sheet]:
                 values.close()
                 formulas.close()
     except Exception as error:  # openpyxl's own errors are of many classes, and none is documented
-        raise ParameterError(f"{path.name} is no readable spreadsheet: {shorten(str(error), 120)}") from error
+        raise fault("", f"{path.name} is no readable spreadsheet: {shorten(str(error), 120)}") from error
     return [sheet for sheet in sheets if sheet.lines]
 
 

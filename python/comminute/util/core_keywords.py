@@ -1,4 +1,4 @@
-"""Functions and classes of the core whose errors for a misspelled keyword name the nearest; imported for that effect."""
+"""Functions and classes of the core whose errors for a misspelled keyword name the nearest; import has that effect."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Tables in the many styles of laboratories: rows given are rows read, or the table is refused; never a wrong number."""
+# ruff: noqa: E501  (tables, one a line)
+"""Tables in the styles of laboratories: rows given are rows read, or the table is refused; never a wrong number."""
 
 import random
 from pathlib import Path
@@ -6,12 +7,12 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from lab_tables import LabTable, table
 
 import comminute as cm
 from comminute.gradings.reading import Reading, SieveData, read_sieves
 from comminute.gradings.sieves import convert
 from comminute.gradings.values import as_per_cent
-from lab_tables import LabTable, table
 
 
 @pytest.fixture(scope="module")

@@ -198,7 +198,9 @@ def test_spreadsheets_that_are_none(tmp_path: Path) -> None:
     for name in ("sand.xls", "sand.ods"):
         path.rename(tmp_path / name)
         path = tmp_path / name
-        with pytest.raises(cm.ParameterError, match=rf"{name} is .*, for which there is no reader here; save it as \.xlsx"):
+        with pytest.raises(
+            cm.ParameterError, match=rf"{name} is .*, for which there is no reader here; save it as \.xlsx"
+        ):
             cm.Grading.read(path)
 
 
@@ -226,8 +228,8 @@ MESSAGES = {
     "50 % are finer, by 'percent_retained' 80 %; correct the table, or leave one of the columns",
     "size_mm,percent_finer\n1,100\n0.5,20,30\n": "sand.csv row 3: 3 columns, but the header names 2",
     "size_mm;percent_finer\n1,2;100\n0,5;0;\n": "",
-    "size_mm;percent_finer\n1,2;100\n0.5;0;\n": "sand.csv row 2: '1,2' is 1.2 with a decimal comma, but sand.csv row 3 has "
-    "'0.5', 0.5 with a decimal point; write one decimal mark throughout",
+    "size_mm;percent_finer\n1,2;100\n0.5;0;\n": "sand.csv row 2: '1,2' is 1.2 with a decimal comma, but sand.csv row 3 "
+    "has '0.5', 0.5 with a decimal point; write one decimal mark throughout",
     "size_mm,percent_finer\n1,100\n0.5\n": "sand.csv row 3: 1 columns, but the header names 2",
     'size_mm,percent_finer\n"1,100\n': "sand.csv row 2: unexpected end of data; close every quotation mark",
     "size_mm,percent_retained\n2,0\n1,80\n0.5,80\n": "sand.csv: column percent_retained adds up to 160 "
@@ -242,7 +244,7 @@ MESSAGES = {
     "size_mm,percent_retained\n2,0\npan,50\npan,50\n": "sand.csv row 4: a second pan; a table has one",
     "sieve,percent_finer\nNo. 41,100\n50,0\n": "sand.csv row 2, column sieve: sieve is 'No. 41'; ASTM E11 has no such "
     "sieve. Did you mean No. 40?",
-    "size_mm,percent_finer\n8,100\n#4,60\n1,0": "sand.csv row 3, column size_mm: '#4' may be a sieve number or a comment",
+    "size_mm,percent_finer\n8,100\n#4,60\n1,0": "row 3, column size_mm: '#4' may be a sieve number or a comment",
     "phi,percent_finer\n-9999,100\n2,0\n": "column phi: the value is -9999; phi must be between -1000 and 1000",
 }
 
