@@ -226,7 +226,7 @@ def _sizes(
     shown = [number(size * factor, digits, decimal, "") for size in sizes]
     if kind in ("retained", "mass") and chance.random() < 0.2:
         sign = chance.choice(["-", "–", " - ", " to "])
-        shown = [f">{shown[0]}"] + [f"{a}{sign}{b}" for a, b in zip(shown, shown[1:], strict=False)]
+        shown = [f">{shown[0]}"] + [f"{a}{sign}{b}" for a, b in pairwise(shown)]
         return header, shown, "classes"
     if chance.random() < 0.2:
         return chance.choice(["Sieve", "Sieve size", header]), [f"{cell} {unit}" for cell in shown], "unit"
