@@ -11,6 +11,7 @@ import io
 import random
 import re
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 ASTM = {"3/4 in": 19.0, "3/8 in": 9.5, "No. 4": 4.75, "No. 8": 2.36, "No. 10": 2.0, "No. 16": 1.18, "No. 20": 0.85}
 ASTM |= {

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from comminute.gradings.options import Reading
     from comminute.gradings.sizing import Sized
 
+PER_MM = {"um": 1e3, "nm": 1e6, "m": 1e-3, "cm": 0.1, "in": 1.0 / 25.4}
 LARGEST_MM = 1000.0  # an opening beyond this is a thousands mark read as a decimal mark
 ROUNDED_TOTAL = 0.005  # share by which a total may miss the sum of its rows
 LOST = 0.02  # share by which the mass before sieving may exceed what is found after
@@ -36,13 +37,13 @@ class Curve(NamedTuple):
 def mark_of(layout: Layout, body: Body, sizes: list[Column], values: list[Column]) -> str:
     """Decimal mark of the file, from the numbers of all its size and value columns."""
     numerals = []
-    for line in (*body.sieves, *body.pan, *body.total, *body.initial, *body.loss, *body.washed):
+    for line in body.sieves:
         for column in sizes:
             cell = column.cell(line)
-            if cell.number is None and line in body.sieves:
-                per_mm = {"um": 1e3, "nm": 1e6, "m": 1e-3, "cm": 0.1, "in": 1.0 / 25.4}.get(column.meaning.unit, 1.0)
-                most = LARGEST_MM * per_mm
-                numerals += [Numeral(text, line.place, most) for text in numerals_in(cell.text)]
+            if cell.number is None:
+                per_mm = PER_MM.get(column.meaning.unit, 1.0)
+                numerals += [Numeral(text, line.place, LARGEST_MM * per_mm) for text in numerals_in(cell.text)]
+    for line in (*body.sieves, *body.pan, *body.total, *body.initial, *body.loss, *body.washed):
         for column in layout.of_kind("value") or values:
             text = numeral_in(column.cell(line))
             most = 100.5 if column.meaning.name.startswith(("percent", "share", "cumulative")) else float("inf")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -71,16 +72,18 @@ def sorted_body(layout: Layout, sizes: list[Column], values: list[Column], *, fi
             body.sieves.append(line)
     for line in (*told, *skipped):
         body.notes.append(f"{line.place}, '{shorten(line.filled[0].text)}', is no sieve and is not used")
-    ends = [line for line in layout.body if line in body.sieves or line in body.pan]
-    if (
-        body.pan
-        and body.pan[0] not in (ends[0], ends[-1])
-        and all(is_blank(column.cell(body.pan[0])) for column in sizes)
-    ):
-        raise fault("", f"{body.pan[0].place} has no size and stands between sieves", "name its size, or name it pan")
+    if body.pan and all(is_blank(column.cell(body.pan[0])) for column in sizes):
+        _require_at_end(body.pan[0], body.sieves)
     if len(body.pan) > 1:
         raise fault(body.pan[1].place, "a second pan", "a table has one")
     return body
+
+
+def _require_at_end(pan: Line, sieves: list[Line]) -> None:
+    """Refuse a pan that is told by its dash alone and stands between sieves."""
+    numbers = [line.number for line in sieves]
+    if numbers and min(numbers) < pan.number < max(numbers):
+        raise fault(pan.place, "the row has no size and stands between sieves", "name its size, or name it pan")
 
 
 def _label(line: Line, sizes: list[Column], texts: list[Column]) -> str:
@@ -219,7 +222,7 @@ def _sample_column(layout: Layout) -> Column | None:
         return None
     for column in layout.of_kind("unknown"):
         names = _filled_down(layout, column)
-        counts = [names.count(name) for name in dict.fromkeys(names)]
+        counts = Counter(names).values()
         if (
             len(counts) > 1
             and min(counts) > 1

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 WORKBOOKS = (".xlsx", ".xlsm", ".xls", ".ods", ".xlsb", ".numbers")
 MOST_LINES_ABOVE = 80
+MOST_LINES_BELOW = 100  # by which a header is judged
 MOST_COLUMNS = 200  # of a table that is read sideways
 
 
@@ -245,9 +246,9 @@ def _score(lines: list[Line], at: int, high: int, *, strong: bool, numbers: bool
         if _is_units(used[1]) or kinds.count("size") + kinds.count("value") < 2:
             return 0
     columns = _columns(_titles(used))
-    body = tuple(line for line in lines[at + high :] if not _is_units(line))
+    body = tuple(line for line in lines[at + high : at + high + MOST_LINES_BELOW] if not _is_units(line))
     kinds = [column.meaning.kind for column in _size_by_content(columns, body) if column.header]
-    filled = any(cell.numeric for line in body[:40] for cell in line.filled)
+    filled = any(cell.numeric for line in body for cell in line.filled)
     if "size" not in kinds or len(kinds) < 2 or (strong and "value" not in kinds):
         return 0
     if (body and not filled) or not (strong or body):

@@ -35,11 +35,12 @@ class Cell:
 
 @dataclass(frozen=True)
 class Line:
-    """One row of a sheet, or one column of a sheet that is read sideways: its place and its cells."""
+    """One row of a sheet, or one column of a sheet that is read sideways: its place, its cells, and its number."""
 
     place: str
     cells: tuple[Cell, ...]
     comment: bool = False
+    number: int = 0
 
     @property
     def filled(self) -> list[Cell]:
@@ -61,10 +62,14 @@ class Sheet:
         lines = [line for line in self.lines if not line.comment]
         width = max((len(line.cells) for line in lines), default=0)
         columns = [
-            Line(f"column {_letters(k)}", tuple(line.cells[k] if k < len(line.cells) else Cell("") for line in lines))
+            Line(f"{self.name} column {_letters(k)}", tuple(_cell_at(line, k) for line in lines), number=k + 1)
             for k in range(width)
         ]
         return replace(self, lines=tuple(column for column in columns if column.filled))
+
+
+def _cell_at(line: Line, index: int) -> Cell:
+    return line.cells[index] if index < len(line.cells) else Cell("")
 
 
 def _letters(index: int) -> str:
@@ -134,7 +139,7 @@ def _split(name: str, lines: list[tuple[int, str]], delimiter: str) -> Sheet:
             cells = re.split(delimiter, content)
         else:
             cells = next(csv.reader([content], delimiter=delimiter), [])
-        row = Line(f"{name} row {number}", tuple(Cell(cell.strip()) for cell in cells))
+        row = Line(f"{name} row {number}", tuple(Cell(cell.strip()) for cell in cells), number=number)
         ruled = all(re.fullmatch(r"[-=:+_\s]+", cell.text) for cell in row.filled) and len(line.strip()) > 4
         if row.filled and not ruled:
             rows.append(replace(row, comment=is_comment(row.cells)))
