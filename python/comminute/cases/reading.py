@@ -16,7 +16,8 @@ from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeErr
 from comminute.cases.load_files import read_loads
 from comminute.cases.messages import WORDS, explained, table_place
 from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, MaterialTable, Sieves
-from comminute.gradings.reading import Reading, SieveData, read_sieves
+from comminute.gradings.options import Reading
+from comminute.gradings.reading import SieveData, read_sieves
 from comminute.gradings.sieves import IN_MM, convert, unit_of
 from comminute.runs.load_path import load_path
 from comminute.runs.recipe import law_of

@@ -9,5 +9,5 @@ from comminute.gradings.curves import on_sieves
 from comminute.gradings.reading import read_grading
 from comminute.util.keywords import suggests_keywords
 
-Grading.read = staticmethod(suggests_keywords(read_grading, "Grading.read"))  # type: ignore[method-assign]
+Grading.read = staticmethod(suggests_keywords(read_grading, "Grading.read"))  # type: ignore[method-assign, unused-ignore]
 Grading.to_sieves = on_sieves  # type: ignore[method-assign, assignment]

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 from comminute.gradings.words import GRAMS, HEADER_WORDS, LENGTHS, NO_UNITS, PERCENTS, folded, meanings_of, plain
 
-VALUES = ("percent_finer", "percent_retained", "percent_cumulative_retained", "mass_retained_g")
-SIZES = ("size_mm", "size_um", "size_cm", "size_m", "size_in", "phi", "sieve")
+VALUES: tuple[str, ...] = ("percent_finer", "percent_retained", "percent_cumulative_retained", "mass_retained_g")
+SIZES: tuple[str, ...] = ("size_mm", "size_um", "size_cm", "size_m", "size_in", "phi", "sieve")
 
 
 @dataclass(frozen=True)

@@ -313,12 +313,8 @@ def _why_none(sheet: Sheet) -> ParameterError:
     sizes = [m for m in meanings if m.kind == "size"]
     unknown = [text for text, m in zip(texts, meanings, strict=True) if m.kind not in ("size", "value")]
     hints = [(text, near_word(text)) for text in unknown]
-    if not sizes:
-        meant = next((f"; did you mean {near} by '{shorten(text)}'?" for text, near in hints if near in SIZES), "")
-        what, known = "size", SIZES
-    else:
-        meant = next((f"; did you mean {near} by '{shorten(text)}'?" for text, near in hints if near in VALUES), "")
-        what, known = "value", VALUES
+    what, known = ("value", VALUES) if sizes else ("size", SIZES)
+    meant = next((f"; did you mean {near} by '{shorten(text)}'?" for text, near in hints if near in known), "")
     return fault(line.place, f"the header names no {what} column", f"it must name one of {', '.join(known)}{meant}")
 
 

@@ -80,7 +80,7 @@ def read_grading(
     top: Top = SIEVES["top"],
     number: bool = SIEVES["number"],
     sheet: str | int | None = None,
-    sample: str | None = None,
+    sample: str | int | None = None,
     mesh: Literal["astm", "tyler"] | None = None,
     total_mass_g: float | None = None,
     edges: Literal["lower", "upper"] | None = None,

@@ -261,10 +261,10 @@ def _close_classes(
         ((convert(size.upper, size.unit, to), convert(size.opening, size.unit, to), line) for line, size in classes),
         key=lambda edge: -edge[0],
     )
-    for (_, low, _), (high, _, line) in pairwise(edges):
+    for (_, low, _), (high, _, next_line) in pairwise(edges):
         if not same_opening(low, high):
             raise fault(
-                line.place,
+                next_line.place,
                 f"the class begins at {high:.4g} {to}, and the next coarser one ends at {low:.4g} {to}",
                 "classes follow each other without a gap",
             )

@@ -5,10 +5,33 @@ from __future__ import annotations
 from comminute import _core
 from comminute.util.keywords import suggests_keywords
 
-FUNCTIONS = ("monodisperse", "gap_graded", "power_law", "uniform_size", "log_uniform", "fuller", "lognormal")
-FUNCTIONS += ("rosin_rammler", "mixed_fabric", "fitting_grid", "percentile")
-CLASSES = ("Material", "LogGrid", "Fabric", "WeibullFragments", "PowerLawFragments", "LogNormalFragments")
-CLASSES += ("TabulatedFragments", "FullConvolution", "SlowUpdate", "QuasiStatic", "Lattice", "TimeSteppedLattice")
+FUNCTIONS = [
+    "monodisperse",
+    "gap_graded",
+    "power_law",
+    "uniform_size",
+    "log_uniform",
+    "fuller",
+    "lognormal",
+    "rosin_rammler",
+    "mixed_fabric",
+    "fitting_grid",
+    "percentile",
+]
+CLASSES = [
+    "Material",
+    "LogGrid",
+    "Fabric",
+    "WeibullFragments",
+    "PowerLawFragments",
+    "LogNormalFragments",
+    "TabulatedFragments",
+    "FullConvolution",
+    "SlowUpdate",
+    "QuasiStatic",
+    "Lattice",
+    "TimeSteppedLattice",
+]
 
 for _name in FUNCTIONS:
     setattr(_core, _name, suggests_keywords(getattr(_core, _name), _name))

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from lab_tables import LabTable, table
 
 import comminute as cm
-from comminute.gradings.reading import Reading, SieveData, read_sieves
+from comminute.gradings.options import Reading
+from comminute.gradings.reading import SieveData, read_sieves
 from comminute.gradings.sieves import convert
 from comminute.gradings.values import as_per_cent
 
