@@ -11,17 +11,8 @@ from comminute.gradings.headers import Meaning, meaning_of, near_word
 if TYPE_CHECKING:
     from comminute.gradings.layout import Column, Layout
 
-_WEIGHED = ("mass_retained_g", "count", "mass_cumulative_retained", "mass_finer")
-PRIORITY = (
-    *_WEIGHED,
-    "percent_finer",
-    "percent_cumulative_retained",
-    "percent_retained",
-    "retained",
-    "cumulative",
-    "mass_cumulative",
-    "share",
-)
+PRIORITY: tuple[str, ...] = ("mass_retained_g", "count", "mass_cumulative_retained", "mass_finer", "percent_finer")
+PRIORITY += ("percent_cumulative_retained", "percent_retained", "retained", "cumulative", "mass_cumulative", "share")
 NO_VALUES = "it must name one of percent_finer, percent_retained, percent_cumulative_retained, mass_retained_g"
 
 

@@ -5,33 +5,11 @@ from __future__ import annotations
 from comminute import _core
 from comminute.util.keywords import suggests_keywords
 
-FUNCTIONS = [
-    "monodisperse",
-    "gap_graded",
-    "power_law",
-    "uniform_size",
-    "log_uniform",
-    "fuller",
-    "lognormal",
-    "rosin_rammler",
-    "mixed_fabric",
-    "fitting_grid",
-    "percentile",
-]
-CLASSES = [
-    "Material",
-    "LogGrid",
-    "Fabric",
-    "WeibullFragments",
-    "PowerLawFragments",
-    "LogNormalFragments",
-    "TabulatedFragments",
-    "FullConvolution",
-    "SlowUpdate",
-    "QuasiStatic",
-    "Lattice",
-    "TimeSteppedLattice",
-]
+FUNCTIONS: tuple[str, ...] = ("monodisperse", "gap_graded", "power_law", "uniform_size", "log_uniform", "fuller")
+FUNCTIONS += ("lognormal", "rosin_rammler", "mixed_fabric", "fitting_grid", "percentile")
+CLASSES: tuple[str, ...] = ("Material", "LogGrid", "Fabric", "WeibullFragments", "PowerLawFragments")
+CLASSES += ("LogNormalFragments", "TabulatedFragments", "FullConvolution", "SlowUpdate", "QuasiStatic")
+CLASSES += ("Lattice", "TimeSteppedLattice")
 
 for _name in FUNCTIONS:
     setattr(_core, _name, suggests_keywords(getattr(_core, _name), _name))
