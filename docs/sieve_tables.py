@@ -34,6 +34,7 @@ ROWS = {
     "total": "Sum, which must be that of the rows",
     "initial": "Mass before sieving, which must be that of the rows to 2 %, or be given as total_mass_g",
     "loss": "What was lost in sieving, left out of the shares",
+    "signature": "Who, when and how, which is not read",
     "summary": "Results such as the fineness modulus, which are not read",
 }
 HEAD = """# Sieve tables we read

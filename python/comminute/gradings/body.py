@@ -147,8 +147,8 @@ def chosen_sample(layout: Layout, sample: str | int | None) -> Layout:
     ParameterError
         For several samples of which none is asked for, one that is not there, or a sample asked of a table of one.
     """
-    long = _sample_column(layout)
-    if long is not None:
+    long = _sample_names(layout)
+    if long:
         return _rows_of(layout, long, sample)
     wide = _sample_columns(layout, named=sample is not None)
     if wide:
@@ -208,12 +208,19 @@ def _filled_down(layout: Layout, column: Column) -> list[str]:
     return texts
 
 
-def _sample_column(layout: Layout) -> Column | None:
-    """Column that says to which sample a row belongs; None where there is none or it says the same in all rows."""
-    for column in layout.of_kind("sample"):
-        names = [name for name in _filled_down(layout, column) if name]
-        if names and (len(set(names)) < len(names) or len(names) == 1):
-            return column
+def _sample_names(layout: Layout) -> list[str]:
+    """Name of the sample of each row of a long table, from all columns that say it; empty where none does."""
+    said = [_filled_down(layout, column) for column in layout.of_kind("sample")]
+    said = [names for names in said if any(names) and (len(set(names)) < len(names) or len(names) == 1)]
+    varied = [names for names in said if len(set(filter(None, names))) > 1]
+    if said:
+        return [" ".join(filter(None, parts)) for parts in zip(*(varied or said[:1]), strict=True)]
+    column = _column_of_blocks(layout)
+    return [] if column is None else _filled_down(layout, column)
+
+
+def _column_of_blocks(layout: Layout) -> Column | None:
+    """Column without a known word that divides a table, whose sizes fall and rise again, into samples."""
     sizes = layout.of_kind("size")
     values = [_rough(sizes[0].cell(line).text) for line in layout.body] if sizes else []
     known = [value for value in values if value is not None]
@@ -236,8 +243,8 @@ def _rough(text: str) -> float | None:
     return digits_of(plain(text), "," if "," in text else ".")
 
 
-def _rows_of(layout: Layout, column: Column, sample: str | int | None) -> Layout:
-    names = _filled_down(layout, column)
+def _rows_of(layout: Layout, names: list[str], sample: str | int | None) -> Layout:
+    """Rows of one sample of a long table, whose rows belong to the samples of these names."""
     known = list(dict.fromkeys(name for name in names if name and not row_meaning(name)))
     if len(known) == 1 and sample is None:
         return layout

@@ -90,6 +90,8 @@ def meaning_of(header: str) -> Meaning:  # noqa: PLR0911  (one return for each k
     if "phi" in units or ("phi" in found and not lengths):
         return Meaning("size", "phi", edge=_edge(found))
     value = found & {"finer", "retained", "coarser", "cumulative", "mass", "count", "percent", "fraction", "each"}
+    if "sample" in found and "size" not in found and not value:
+        return Meaning("sample")
     if lengths:
         if value and not found & {"size", "finer", "retained", "upper", "lower"} and "each" not in value:
             return Meaning("unknown", rest=header)

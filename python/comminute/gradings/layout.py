@@ -303,7 +303,8 @@ def _why_none(sheet: Sheet) -> ParameterError:
             f"{sheet.name} has one column of numbers: a list of grains is no table of sieves",
             "count them by classes, or weigh them, and give a column of sizes and one of values (size_mm,count)",
         )
-    if numbers and numbers[0] is first:
+    named = any(meaning_of(cell.text).kind in ("size", "value") for cell in first.filled if not _explicit(cell.text))
+    if (numbers and numbers[0] is first) or (any(cell.numeric for cell in first.filled) and not named):
         return fault(
             "", f"{first.place} holds numbers", "a header is missing: write one above, such as size_mm,percent_finer"
         )

@@ -255,7 +255,9 @@ def row_meaning(label: str) -> str:
     found, rest = meanings_of(words, "row")
     if not found:
         return ""
-    if rest and not (found & {"summary", "washed"} or "initial" in found):
+    if rest and not found & {"summary", "washed", "initial", "signature"}:
         return ""
+    if "signature" in found:
+        return "summary"
     order = ("initial", "washed", "loss", "summary", "pan", "total")
     return next(name for name in order if name in found)

@@ -14,7 +14,7 @@ import unicodedata
 HEADER_WORDS: dict[str, dict[str, str]] = {
     "size": {
         "English": "size, sieve, sieves, opening, aperture, diameter, screen, dia, grainsize, particle, grain, d, grat size",
-        "German": "korngrosse, korngroesse, korn, siebweite, maschenweite, lochweite, sieb, siebgrosse, sieboffnung, "
+        "German": "grosse, siebe, korngrosse, korngroesse, korn, siebweite, maschenweite, lochweite, sieb, siebgrosse, sieboffnung, "
         "siebnennweite, durchmesser, korndurchmesser, teilchengrosse, partikelgrosse, kornklasse, fraktion, offnungsweite, "
         "nennoffnungsweite, siebmaschenweite",
         "French": "tamis, ouverture, maille, mailles, diametre, taille, dimension, calibre",
@@ -214,6 +214,17 @@ ROW_WORDS: dict[str, dict[str, str]] = {
         "Italian": "perdita, perdite",
         "Japanese": "損失",
         "Chinese": "损失, 散失",
+    },
+    "signature": {
+        "English": "tested by, checked by, approved by, reported by, reviewed by, performed by, sampled by, signature, date, "
+        "test date, remark, remarks, note, notes, operator, technician, laboratory, engineer, method, standard",
+        "German": "gepruft, bearbeiter, bearbeitet, datum, bemerkung, bemerkungen, unterschrift, labor, laborant",
+        "French": "date, operateur, remarque, remarques, laboratoire, verifie par",
+        "Spanish": "fecha, realizado por, revisado por, observaciones, laboratorio, ensayado por",
+        "Portuguese": "data, realizado por, verificado por, observacoes, laboratorio",
+        "Italian": "data, eseguito da, verificato da, note, laboratorio",
+        "Japanese": "試験者, 日付, 備考, 試験日",
+        "Chinese": "试验, 复核, 审核, 日期, 备注",
     },
     "summary": {
         "English": "fineness modulus, fm, cu, cc, d10, d15, d16, d20, d30, d50, d60, d80, d84, d85, d90, d95, f80, p80, "
