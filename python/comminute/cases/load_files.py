@@ -57,18 +57,19 @@ def read_loads(path: Path, unit: str) -> tuple[str, list[float]]:
     header, *rows = lines
     texts = [cell.text for cell in header.filled]
     name, factor = _meaning(" ".join(texts), unit, path.name) if texts else ("", 1.0)
-    if not name or (sheet.delimiter and len(sheet.delimiter) == 1 and len(texts) > 1):
+    if not name or len(texts) > 1:
         raise ParameterError(f"{header.place}: give one column, named stress or stress_ratio")
     if not rows:
         raise ParameterError(f"{path.name} has a header but no loads")
+    texts_of_loads = [(line, plain(line.filled[0].text.strip('"'))) for line in rows]
     numerals = [
-        Numeral(plain(line.filled[0].text), line.place, float("inf")) for line in rows if line.filled[0].number is None
+        Numeral(text, line.place, float("inf")) for line, text in texts_of_loads if line.filled[0].number is None
     ]
-    mark = decimal_mark(path.name, numerals, comma_separated=sheet.delimiter == ",")
+    mark = decimal_mark(path.name, numerals, comma_separated=False)
     loads = []
-    for line in rows:
-        cell = line.filled[0]
-        value = cell.number if cell.number is not None else digits_of(plain(cell.text), mark)
+    for line, text in texts_of_loads:
+        number = line.filled[0].number
+        value = number if number is not None else digits_of(text, mark)
         if value is None or len(line.filled) > 1:
             shown = shorten(" ".join(one.text for one in line.filled))
             raise ParameterError(f"{line.place}, column {texts[0]}: the value is '{shown}'; it must be a number")
@@ -82,9 +83,7 @@ def _sheet(path: Path) -> Sheet:
 
         sheets = workbook_sheets(path)
         return sheets[0] if sheets else Sheet(path.name, ())
-    sheets = text_sheets(path)
-    # one column needs no delimiter: of the readings of a text that with the fewest columns is its own
-    return min(sheets, key=lambda sheet: max((len(line.filled) for line in sheet.lines), default=0))
+    return text_sheets(path, one_column=True)[0]
 
 
 def _meaning(header: str, unit: str, name: str) -> tuple[str, float]:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from comminute._core import ParameterError
 
 
-def fault(place: str, said: str, rule: str = "", *, parameter: str = "table") -> ParameterError:
+def fault(place: str, said: str, rule: str = "", *, parameter: str = "table", remedy: str = "") -> ParameterError:
     """Make the error "<place>: <said>; <rule>" of a table.
 
     Parameters
@@ -23,5 +23,7 @@ def fault(place: str, said: str, rule: str = "", *, parameter: str = "table") ->
         The rule that it breaks, and the remedy.
     parameter : str
         Option of `Grading.read` at fault, or "table".
+    remedy : str
+        Kind of remedy, where the rule does not say it.
     """
-    return parameter_error(parameter, "", rule, subject=said, place=place)
+    return parameter_error(parameter, "", rule, subject=said, place=place, remedy=remedy)

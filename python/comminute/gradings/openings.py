@@ -10,10 +10,11 @@ from typing import Literal
 from comminute.gradings.headers import unit_in
 from comminute.gradings.numerals import digits_of
 from comminute.gradings.sieves import convert, designated
-from comminute.gradings.words import LENGTHS, folded, meanings_of, plain
+from comminute.gradings.words import LENGTHS, begins_with, folded, meanings_of, plain
 from comminute.util.errors import parameter_error
 from comminute.util.names import shorten
 
+WITH_REST = frozenset(("summary", "washed", "initial", "signature"))
 AGREE = 0.03  # relative difference of openings up to which a designation and an opening name one sieve
 Kind = Literal["sieve", "finer", "coarser", "class"]
 _FINER = r"<=?|≤|less than|smaller than|finer than|passing|passes|passed|minus|under|below|thru|through|unter"
@@ -253,11 +254,9 @@ def row_meaning(label: str) -> str:
     """Meaning of a row by its label: "pan", "washed", "total", "initial", "loss", "summary", or nothing."""
     words = re.sub(r"\((?:g|kg|%|mm)\)|\bg\b|[%:=]", " ", folded(label)).strip()
     found, rest = meanings_of(words, "row")
-    if not found:
-        return ""
-    if rest and not found & {"summary", "washed", "initial", "signature"}:
-        return ""
+    if rest:  # such a row goes on after its name, which a size or a remark on one does not begin with
+        found = frozenset(name for name in found & WITH_REST if begins_with(words, name))
     if "signature" in found:
         return "summary"
     order = ("initial", "washed", "loss", "summary", "pan", "total")
-    return next(name for name in order if name in found)
+    return next((name for name in order if name in found), "")

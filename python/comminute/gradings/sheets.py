@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 MOST_BYTES = 16_000_000  # of a sieve table; anything larger is another kind of file
 ENCODINGS = ("cp1252", "cp932", "gb18030", "latin-1")  # of text that is not UTF-8
 DELIMITERS = ("\t", ";", "|", ",", r"\s{2,}", r"\s+")
+NO_DELIMITER = r"(?!)"  # which matches nowhere
 NUMERIC = re.compile(r"[<>≤≥+-]?\s?[0-9.,' ]*[0-9][.,]?\s?(?:%|[a-zA-Zµμ]{1,2})?")
 
 
@@ -88,8 +89,8 @@ def require_size(path: Path) -> None:
         raise fault("", f"{path.name} has {path.stat().st_size / 1e6:.0f} MB", "a sieve table has a few lines")
 
 
-def text_sheets(path: Path) -> list[Sheet]:
-    """Ways in which a text file's lines split into cells, the likeliest first.
+def text_sheets(path: Path, *, one_column: bool = False) -> list[Sheet]:
+    """Ways in which a text file's lines split into cells, the likeliest first; `one_column` leaves lines whole.
 
     Raises
     ------
@@ -98,6 +99,8 @@ def text_sheets(path: Path) -> list[Sheet]:
     """
     text = _decoded(path)
     lines = list(enumerate(re.split(r"\r\n|\r|\n", text), 1))
+    if one_column:
+        return [_split(path.name, lines, NO_DELIMITER)]
     told = re.fullmatch(r'"?sep=(.)"?[,;]*', lines[0][1].strip()) if lines else None
     if told or (lines and lines[0][1].lower().startswith("sep=\t")):
         return [_split(path.name, lines[1:], told[1] if told else "\t")]

@@ -111,7 +111,8 @@ def per_cent_finer(column: Column, notes: list[str]) -> list[float]:
     """
     if column.name == "percent_finer":
         if clean(column.pan or 0.0):
-            raise fault(column.pan_place, f"{column.pan:.4g} % finer than the pan, which holds all: leave it out")
+            said = f"{column.pan:.4g} % is finer than the pan"
+            raise fault(column.pan_place, said, "the pan holds all", remedy="leave_out")
         return list(column.value)
     if column.name == "mass_finer":
         return _from_mass_finer(column, notes)
@@ -156,9 +157,7 @@ def _from_cumulative(column: Column, notes: list[str]) -> list[float]:
         raise fault("", f"{column.file}: the largest {column.name} is {largest:.4g}", "give per cent")
     if column.pan is not None:
         if abs(column.pan - whole) > whole * ROUNDED / 100.0:
-            raise fault(
-                "", f"{column.file}: {column.pan:.4g} % is retained down to the pan, which must hold all: 100 %"
-            )
+            raise fault(column.file, f"{column.pan:.4g} % is retained down to the pan", "it must hold all: 100 %")
         if clean(column.pan, whole) != whole:
             notes.append(f"{column.name} of {column.file} ends at {column.pan:.4g}: scaled to {whole:.4g}")
             whole = column.pan
@@ -198,8 +197,9 @@ def _from_retained(column: Column, notes: list[str]) -> list[float]:
             raise fault("", f"{file}: {name} adds up to {total:.4g}", "give per cent, not fractions")
         notes.append("the values add up to 1: read as fractions, not per cent")
     elif total > 100.0 + ROUNDED or (column.pan is not None and total + column.loss < 100.0 - ROUNDED):
-        cumulative = " Cumulative values? name the column percent_cumulative_retained." if total > 100.0 else ""
-        raise fault("", f"{file}: {name} adds up to {total:.4g} %, not 100 %.{cumulative}")
+        remedy = "name_cumulative_column" if total > 100.0 else ""
+        said = f"column {column.header} adds up to {total:.4g} %"
+        raise fault(file, said, "it must be 100 %", remedy=remedy)
     elif column.pan is None and total < 100.0 - RESIDUE and not column.upper:
         whole = 100.0
         missing = 100.0 - total

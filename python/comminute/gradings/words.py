@@ -228,7 +228,7 @@ ROW_WORDS: dict[str, dict[str, str]] = {
     },
     "summary": {
         "English": "fineness modulus, fm, cu, cc, d10, d15, d16, d20, d30, d50, d60, d80, d84, d85, d90, d95, f80, p80, "
-        "coefficient of uniformity, coefficient of curvature, moisture, water content, gs, gravel, sand, silt, clay, "
+        "coefficient of uniformity, coefficient of curvature, moisture, water content, gs, "
         "effective size, uniformity coefficient, median",
         "German": "feinheitsmodul, ungleichformigkeitszahl, krummungszahl, wassergehalt, koernungsziffer",
         "French": "module de finesse, coefficient d uniformite, teneur en eau, mf",
@@ -393,3 +393,12 @@ def meanings_of(text: str, table: str = "header") -> tuple[frozenset[str], list[
         found.add("percent")
     rest = [word for word in left.replace("\x00", " ").split() if word not in FILLERS and word != "%"]
     return frozenset(found), rest
+
+
+def begins_with(words: str, meaning: str) -> bool:
+    """Whether a folded text begins with a word for the name of a row."""
+    return any(
+        words.startswith(word) and not words[len(word) : len(word) + 1].isalnum()
+        for word, meanings in _phrases("row")
+        if meaning in meanings
+    )
