@@ -31,7 +31,7 @@ constexpr std::array<RemedyWords, 20> remedy_words{{
     {Remedy::add_coarser_sieve, "add_coarser_sieve", "add the size that all grains pass"},
     {Remedy::add_finer_sieve, "add_finer_sieve", "add a size with 0 % finer"},
     {Remedy::set_first_crush_stress, "set_first_crush_stress",
-     "set first_crush_stress of the Material, or give a stress ratio"},
+     "set it on the Material, or give stress_ratio"},
     {Remedy::use_same_grid, "use_same_grid", "make the solver with fabric.grid()"},
     {Remedy::use_blend_kernel, "use_blend_kernel", "use KernelKind::blend, or leave loading_rate at 0"},
     {Remedy::choose_path, "choose_path", "use the path automatic, or transforms"},

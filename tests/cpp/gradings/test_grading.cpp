@@ -279,8 +279,7 @@ TEST_CASE("a sieve curve with an error in it is refused, naming row, value, rule
         "30 % is finer than the finest sieve, 0.5 mm, and the curve is flat above it, so no tail can be read "
         "from it; add a size with 0 % finer");
     CHECK_THROWS_WITH_AS(sieve_grading({0.5, 1.0}, {100.0}),
-                         "percent_finer has 1 entries; it must have one for each of the 2 sizes",
-                         ShapeError);
+                         "percent_finer has 1 entries; it must have one for each of the 2 sizes", ShapeError);
 }
 
 TEST_CASE("a percentile is the size below which that share of the mass lies") {

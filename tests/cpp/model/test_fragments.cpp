@@ -325,7 +325,8 @@ TEST_CASE("laws and sizes outside their range are refused with name, value and r
         "mean_log is nan; it must be finite and at most 30 sd_log: nearly all of the law would lie above "
         "X = 1");
     CHECK_THROWS_WITH_AS(pmf(TabulatedFragments{{0.5, 1.0}, {1.0}}),
-                         "finer has 1 entries; it must have one share for each of the 2 x", comminute::ShapeError);
+                         "finer has 1 entries; it must have one share for each of the 2 x",
+                         comminute::ShapeError);
     CHECK_REFUSED(pmf(TabulatedFragments{{1.0}, {1.0}}), "the number of points is 1; it must be at least 2");
     CHECK_REFUSED(pmf(TabulatedFragments{{0.5, 0.5, 1.0}, {0.0, 0.5, 1.0}}),
                   "x is 0.5; it must be rising and greater than 0");

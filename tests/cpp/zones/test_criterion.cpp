@@ -409,9 +409,10 @@ TEST_CASE("the criterion refuses what has no meaning, naming value and rule") {
 
 TEST_CASE("a stress becomes a stress ratio only where the first crushing stress is known") {
     Material m;
-    CHECK_REFUSED(m.stress_ratio(2.0),
-                  "a stress is given but first_crush_stress is not set; set it on the Material, or give "
-                  "stress_ratio");
+    CHECK_REFUSED(
+        m.stress_ratio(2.0),
+        "stress is 2; it needs first_crush_stress, which is not set. Set it on the Material, or give "
+        "stress_ratio");
     m.first_crush_stress = 0.5;
     CHECK(m.stress_ratio(2.0) == 4.0);
     CHECK_REFUSED(m.stress_ratio(-2.0), "stress is -2; it must be a number of at least 0");
