@@ -25,7 +25,7 @@ struct Point {
 
 constexpr double residue = 1e-9;  // per cent by which the sums of a spreadsheet may miss 0 and 100
 constexpr double least_fraction = 0.9, most_fraction = 1.1;  // tops between these are tops of fractions
-constexpr double most_extension = 2.0;                       // ratio of one sieve to the next of the widest series
+constexpr double most_extension = 2.0;  // ratio of one sieve to the next of the widest series
 
 // 100.00000000000001 is 100, and -5e-15 is 0: what adding up leaves behind is no finding.
 double without_residue(double percent) {
@@ -140,8 +140,9 @@ void close_top(std::vector<Point>& points, const std::string& unit, bool extend,
                               .value = text(last.finer),
                               .number = last.finer,
                               .subject = coarsest,
-                              .finding = "has " + rounded(last.finer) + " % finer, and its last slope reaches 100 % at " +
-                                         rounded(top) + in_unit + ", a factor of " + rounded(top / last.size) +
+                              .finding = "has " + rounded(last.finer) +
+                                         " % finer, and its last slope reaches 100 % at " + rounded(top) +
+                                         in_unit + ", a factor of " + rounded(top / last.size) +
                                          " beyond the coarsest sieve",
                               .rule = "top = \"extend\" reaches the next sieve at most, a factor of 2",
                               .remedy = Remedy::add_coarser_sieve});
