@@ -209,19 +209,14 @@ def _sizes(
 ) -> tuple[str, list[str], str]:
     """Header and cells of the size column."""
     if names[0].startswith(("N", "3/")):
-        forms = [
-            lambda n: n,
-            lambda n: n.replace("No. ", "#").replace(" in", '"'),
-            lambda n: n.replace("No. ", "Nº ").replace(" in", "″"),
-        ]
-        forms += [lambda n: n.replace("No. ", "US Std # "), lambda n: n.replace("No. ", "ASTM No. ")]
-        form = chance.choice(forms)
+        number_word, inch = chance.choice(
+            [("No. ", " in"), ("#", '"'), ("Nº ", "″"), ("US Std # ", " in"), ("ASTM No. ", " in")]
+        )
+        shown = [name.replace("No. ", number_word).replace(" in", inch) for name in names]
         if chance.random() < 0.3:
-            shown = [
-                f"{form(name)} ({number(size, 3, decimal, '')} mm)" for name, size in zip(names, sizes, strict=True)
-            ]
-            return chance.choice(["Sieve", "Sieve size", "Sieve No."]), shown, "both"
-        return chance.choice(["sieve", "Sieve", "Sieve No.", "Tamiz", "Sieb"]), [form(name) for name in names], "names"
+            both = [f"{name} ({number(size, 3, decimal, '')} mm)" for name, size in zip(shown, sizes, strict=True)]
+            return chance.choice(["Sieve", "Sieve size", "Sieve No."]), both, "both"
+        return chance.choice(["sieve", "Sieve", "Sieve No.", "Tamiz", "Sieb"]), shown, "names"
     unit, factor, digits = chance.choice([("mm", 1.0, 3), ("mm", 1.0, 4), ("µm", 1000.0, 0), ("um", 1000.0, 0)])
     header = chance.choice(SIZES).replace("mm", unit)
     shown = [number(size * factor, digits, decimal, "") for size in sizes]

@@ -172,7 +172,6 @@ def _validated(raw: dict[str, Any], name: str) -> Case:
 def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> ReadyCase:
     """Case with its files read: every check that needs no run."""
     name = path.name
-    _require_reference_size(case, name)
     material = _in_table(name, "material", lambda: _material(case))
     case, grading = _grading(case, path)
     case = _loads(case, path)
@@ -182,6 +181,7 @@ def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> Read
         "load",
         lambda: load_path(material, load.stress_ratio, load.stress, load.loading_rate, load.remix_after),  # type: ignore[arg-type]
     ).stress_ratio
+    _require_reference_size(case, name)
     largest_load, given = float(ratios.max()), case.grid.model_dump()
     grid = _in_table(name, "grid", lambda: fitting_grid(grading, material, largest_load, **given))
     _in_table(name, "grid", lambda: grading.on_grid(grid))

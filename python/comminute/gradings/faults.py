@@ -7,15 +7,17 @@ from typing import TYPE_CHECKING
 from comminute.util.errors import parameter_error
 
 if TYPE_CHECKING:
-    from comminute._core import ParameterError
+    from comminute._core import ParameterError, Place
 
 
-def fault(place: str, said: str, rule: str = "", *, parameter: str = "table", remedy: str = "") -> ParameterError:
+def fault(
+    place: str | Place, said: str, rule: str = "", *, parameter: str = "table", remedy: str = ""
+) -> ParameterError:
     """Make the error "<place>: <said>; <rule>" of a table.
 
     Parameters
     ----------
-    place : str
+    place : str or Place
         File, row and column; empty for an option.
     said : str
         The sentence that says what was found.

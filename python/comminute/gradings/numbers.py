@@ -36,7 +36,7 @@ def value_of(column: Column, line: Line, mark: str) -> float:
         For a cell that is empty or no number, or whose unit is not that of its column.
     """
     cell, meaning = column.cell(line), column.meaning
-    where = f"{line.place}, column {column.header}"
+    where = line.at(column.header)
     mass = meaning.name.startswith("mass")
     value, unit = cell.number, ""
     if value is None:

@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from comminute._core import Place
 from comminute.gradings.faults import fault
 from comminute.gradings.words import meanings_of
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 MOST_BYTES = 16_000_000  # of a sieve table; anything larger is another kind of file
 ENCODINGS = ("cp1252", "cp932", "gb18030", "latin-1")  # of text that is not UTF-8
 DELIMITERS = ("\t", ";", "|", ",", r"\s{2,}", r"\s+")
+MOST_LINES_OF_A_CELL = 3
 NO_DELIMITER = r"(?!)"  # which matches nowhere
 NUMERIC = re.compile(r"[<>≤≥+-]?\s?[0-9.,' ]*[0-9][.,]?\s?(?:%|[a-zA-Zµμ]{1,2})?")
 
@@ -42,6 +44,11 @@ class Line:
     cells: tuple[Cell, ...]
     comment: bool = False
     number: int = 0
+    file: str = ""
+
+    def at(self, column: str) -> Place:
+        """Place of a cell by the header of its column."""
+        return Place(self.file, row=self.number, column=column) if self.file else Place(self.place, column=column)
 
     @property
     def filled(self) -> list[Cell]:
@@ -142,7 +149,7 @@ def _split(name: str, lines: list[tuple[int, str]], delimiter: str) -> Sheet:
             cells = re.split(delimiter, content)
         else:
             cells = next(csv.reader([content], delimiter=delimiter), [])
-        row = Line(f"{name} row {number}", tuple(Cell(cell.strip()) for cell in cells), number=number)
+        row = Line(f"{name} row {number}", tuple(Cell(cell.strip()) for cell in cells), number=number, file=name)
         ruled = all(re.fullmatch(r"[-=:+_\s]+", cell.text) for cell in row.filled) and len(line.strip()) > 4
         if row.filled and not ruled:
             rows.append(replace(row, comment=is_comment(row.cells)))
@@ -154,7 +161,7 @@ def _joined(name: str, lines: list[tuple[int, str]], delimiter: str) -> Iterator
     if len(delimiter) > 1:
         yield from lines
         return
-    waiting: tuple[int, str] | None = None
+    waiting: tuple[int, str, str] | None = None
     for number, line in lines:
         first, text = (number, line) if waiting is None else (waiting[0], f"{waiting[1]} {line}")
         if waiting is None and line.lstrip(' "').startswith("#") and delimiter not in line:
@@ -163,18 +170,14 @@ def _joined(name: str, lines: list[tuple[int, str]], delimiter: str) -> Iterator
         try:
             next(csv.reader([text], delimiter=delimiter, strict=True), None)
         except csv.Error as error:
-            if "unexpected end" in str(error) and number - first < 3:
-                waiting = (first, text)
+            waiting = (first, text, str(error) if waiting is None else waiting[2])
+            if number - first < MOST_LINES_OF_A_CELL:
                 continue
-            raise fault(
-                "",
-                f"{name} row {first}: {'unexpected end of data' if waiting else error}",
-                "close every quotation mark",
-            ) from None
+            break
         waiting = None
         yield first, text
     if waiting is not None:
-        raise fault("", f"{name} row {waiting[0]}: unexpected end of data", "close every quotation mark")
+        raise fault(f"{name} row {waiting[0]}", waiting[2], "close every quotation mark")
 
 
 def is_comment(cells: tuple[Cell, ...]) -> bool:

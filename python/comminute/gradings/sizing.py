@@ -172,7 +172,7 @@ def _one(line: Line, main: Column, others: list[Column], styles: dict[int, Style
 
 def _parsed(line: Line, column: Column, styles: dict[int, Style], *, finer: bool = False) -> Size:
     cell, style = column.cell(line), styles[column.index]
-    where = f"{line.place}, column {column.header}"
+    where = line.at(column.header)
     if not cell.text:
         raise fault(where, "the value is empty", "it must be a size, or the row's name, such as pan")
     hashed = cell.text.startswith("#") and style.unit in LENGTH_UNITS

@@ -60,7 +60,7 @@ def _sheet(name: str, values: Any, formulas: Any) -> Sheet:
     lines = []
     for number, row in enumerate(zip(values.iter_rows(), formulas.iter_rows(), strict=True), 1):
         cells = tuple(_cell(value, formula) for value, formula in zip(*row, strict=True))
-        line = Line(f"{name} row {number}", cells, is_comment(cells), number)
+        line = Line(f"{name} row {number}", cells, is_comment(cells), number, name)
         if line.filled:
             lines.append(line)
     width = max((1 + max(k for k, cell in enumerate(line.cells) if cell.text) for line in lines), default=0)

@@ -65,7 +65,8 @@ def test_load_files(tmp_path: Path) -> None:
     ):
         path.write_text(text)
         name, loads = read_loads(path, "MPa")
-        assert (name, loads) == (found[0], pytest.approx(found[1]))
+        assert name == found[0]
+        assert loads == pytest.approx(found[1])
     for text, words in (
         ("stress,other\n1,2\n", "give one column, named stress or stress_ratio"),
         ("stress\nmany\n", "row 2, column stress: the value is 'many'; it must be a number"),
