@@ -69,12 +69,12 @@ lint: $(VENV)/.installed
 	$(VENV)/bin/ruff check .
 	$(VENV)/bin/ruff format --check .
 	$(VENV)/bin/mypy --strict python/comminute examples tests docs/gallery docs/validation bench
+	PYTHONPATH=python $(VENV)/bin/lint-imports --no-logo
 	clang-format --dry-run --Werror $$(git ls-files '*.hpp' '*.cpp')
 	cmake --preset release > /dev/null
 	ls cpp/src/*/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option
 
-# C++ tests under AddressSanitizer with UBSan and under ThreadSanitizer, with narrower registers than the machine's; and
-# without FFTW, not optimised, and by clang.
+# C++ tests under AddressSanitizer with UBSan and under ThreadSanitizer, without FFTW, not optimised, and by clang.
 sanitize: $(VENV)/.made
 	for preset in asan tsan no-fftw dev clang; do \
 	  cmake --preset $$preset -DPython3_EXECUTABLE=$(abspath $(PY)) && cmake --build --preset $$preset && ctest --preset $$preset || exit 1; \

@@ -3,7 +3,7 @@
 # formatter and linter too; with --bench: Google Benchmark.
 set -eu
 
-wanted="g++ cmake ninja-build libeigen3-dev libfftw3-dev doctest-dev python3-venv python3-dev"
+wanted="g++ cmake ninja-build libeigen3-dev libhwy-dev libfftw3-dev doctest-dev python3-venv python3-dev"
 [ "${1:-}" = "--dev" ] && wanted="$wanted clang clang-format clang-tidy"
 [ "${1:-}" = "--bench" ] && wanted="$wanted libbenchmark-dev"
 

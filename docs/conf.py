@@ -6,8 +6,9 @@ project = "comminute"
 author = "The comminute developers"
 version = release = comminute.__version__
 
-extensions = ["sphinx.ext.mathjax", "sphinx_gallery.gen_gallery"]
-exclude_patterns = ["_build", "gallery", "validation"]
+extensions = ["myst_parser", "sphinx.ext.mathjax", "sphinx_gallery.gen_gallery"]
+myst_enable_extensions = ["amsmath", "dollarmath"]
+exclude_patterns = ["_build", "gallery", "validation", "benchmarks.md"]  # these last are read in the source
 html_theme = "alabaster"
 html_theme_options = {"description": "Confined comminution with grainsize fabric", "fixed_sidebar": True}
 suppress_warnings = ["config.cache"]

@@ -34,9 +34,9 @@ def trial(bins: int, *, with_sum: bool = False) -> Trial:
     """One size."""
     grid, material = grid_of(bins), cm.Material()
     p, out = start_on(grid).probability.copy(), np.empty((bins, bins))
-    estimated = cm.FullConvolution(grid, material, "exact", path="transforms")
-    measured = cm.FullConvolution(grid, material, "exact", path="transforms", effort="measure")
-    sums = cm.FullConvolution(grid, material, "exact", path="sums")
+    estimated = cm.FullConvolution(grid, material, "exact", scheme="paper", path="transforms")
+    measured = cm.FullConvolution(grid, material, "exact", scheme="paper", path="transforms", effort="measure")
+    sums = cm.FullConvolution(grid, material, "exact", scheme="paper", path="sums")
     scipy_steps = SciPySteps(problem_on(grid))
     bare, bare_check = _bare(bins, measure=False)
     bare_measured, bare_measured_check = _bare(bins, measure=True)

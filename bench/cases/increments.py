@@ -51,8 +51,8 @@ class _Path:
 def trial(bins: int) -> Trial:
     """One size."""
     grid, material = grid_of(bins), cm.Material()
-    update = cm.SlowUpdate(grid, material)
-    convolution = cm.FullConvolution(grid, material, "slow", path="transforms")
+    update = cm.SlowUpdate(grid, material, scheme="paper")
+    convolution = cm.FullConvolution(grid, material, "slow", scheme="paper", path="transforms")
     problem = problem_on(grid)
     scipy_steps, numba_steps = SciPySteps(problem), NumbaSteps(problem, LOAD)
     path = _Path(grid, update)

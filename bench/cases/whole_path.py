@@ -97,7 +97,7 @@ class _Stepping:
 
     def by_slow_update(self) -> Floats:
         """Our own engine, with which the grid is found."""
-        p, engine = self._start.copy(), cm.SlowUpdate(self._grid, cm.Material())
+        p, engine = self._start.copy(), cm.SlowUpdate(self._grid, cm.Material(), scheme="paper")
 
         def step(load: float) -> tuple[Floats, float]:
             engine.step(p, load, out=p)

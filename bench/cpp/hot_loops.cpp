@@ -9,8 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <comminute/comminute.hpp>
+#include <cstdio>
 #include <optional>
+#include <string>
 #include <vector>
+
+#include "simd/targets.hpp"
 
 namespace {
 
@@ -79,7 +83,7 @@ void copy_state(benchmark::State& state) {
 void slow_update(benchmark::State& state) {
     const Index bins = state.range(0);
     const auto grid = grid_of(bins);
-    comminute::SlowUpdate engine(grid, comminute::Material{});
+    comminute::SlowUpdate engine(grid, comminute::Material{}, {comminute::Scheme::paper});
     auto before = copy_of(start_on(grid));
     const double factor = std::pow(load, 1.0 / 199.0);
     double stress_ratio = 1.0;
@@ -108,7 +112,8 @@ void slow_update(benchmark::State& state) {
 }
 
 comminute::FullConvolution exact_step(const comminute::LogGrid& grid, comminute::StepPath path) {
-    return comminute::FullConvolution({grid, comminute::Material{}, comminute::KernelKind::exact}, path);
+    const comminute::KernelOptions exact{comminute::KernelKind::exact, 0.0, comminute::Scheme::paper};
+    return {grid, comminute::Material{}, {exact, path}};
 }
 
 // A complex line there and back at 5 L log2 L each, and its product with the filter's spectrum.
@@ -233,4 +238,26 @@ BENCHMARK(grading_solve)->Arg(250)->Arg(1000)->Arg(1024)->Arg(4000)->Unit(benchm
 BENCHMARK(state_solve)->Arg(64)->Arg(250)->Arg(1000)->Arg(4000)->Unit(benchmark::kMicrosecond);
 BENCHMARK(lattice_load)->Arg(10'000)->Arg(1'000'000)->Unit(benchmark::kMillisecond);
 
-BENCHMARK_MAIN();
+// Beside the options of Google Benchmark, `--vectors=AVX2` takes the vector loops of that instruction set.
+int main(int argc, char** argv) {
+    const std::string option = "--vectors=";
+    if (argc > 1 && std::string(argv[1]).rfind(option, 0) == 0) {
+        const std::string wanted = argv[1] + option.size();
+        std::int64_t set = 0;
+        for (std::int64_t rest = HWY_TARGETS & (hwy::SupportedTargets() | HWY_STATIC_TARGET); rest != 0;
+             rest &= rest - 1) {
+            if (wanted == hwy::TargetName(rest & -rest)) set = rest & -rest;
+        }
+        if (set == 0) {
+            std::fprintf(stderr, "%s: this build or this machine has no such instruction set\n", argv[1]);
+            return 1;
+        }
+        hwy::SetSupportedTargetsForTest(set);
+        std::copy(argv + 2, argv + argc, argv + 1);
+        --argc;
+    }
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+    benchmark::RunSpecifiedBenchmarks();
+    return 0;
+}

@@ -3,9 +3,10 @@ Figure 5: where fragments go
 ============================
 
 In one step the mass of an active cell, marked with a cross, leaves it and spreads over smaller sizes: along one line
-where one of the two sizes crushes, over a rectangle where both do at once (the exact kernel). Under slow loading
-(right) no step crushes both: on the diagonal half of the mass goes either way. The grain crushes inside the blue curve,
-its neighbourhood inside the dashed one. Colours are relative to the cell that receives most.
+where one of the two sizes crushes, over a rectangle where both do at once (the exact kernel). Fragments are put on the
+grid as in the paper, where every crush moves at least one bin. Under slow loading (right) no step crushes both: on the
+diagonal half of the mass goes either way. The grain crushes inside the blue curve, its neighbourhood inside the dashed
+one. Colours are relative to the cell that receives most.
 """
 
 from typing import Literal
@@ -37,7 +38,7 @@ def draw(width: float) -> Figure:
     )
     for ax, (psi, psibar, kind) in zip(axes.flat, cells, strict=True):
         cell = grid.bin_of(psi), grid.bin_of(psibar)
-        plot_fragment_kernel(grid, material, load, *cell, ax, kind=kind, limits=(-5.0, 1.0))
+        plot_fragment_kernel(grid, material, load, *cell, ax, kind=kind, limits=(-5.0, 1.0), scheme="paper")
         ax.set_title(f"{ax.get_title()}, {kind}")
         ax.label_outer()
     mesh = axes.flat[0].collections[0]

@@ -12,17 +12,14 @@
 namespace py = pybind11;
 
 void register_errors(py::module_& m);
-void register_grid(py::module_& m);
-void register_fragments(py::module_& m);
-void register_criterion(py::module_& m);
-void register_kernel(py::module_& m);
+// One function for each room of the library that Python sees, in the order of the rooms.
+void register_model(py::module_& m);
+void register_zones(py::module_& m);
 void register_fabric(py::module_& m);
-void register_grading(py::module_& m);
-void register_ideal_gradings(py::module_& m);
-void register_engines(py::module_& m);
+void register_gradings(py::module_& m);
+void register_stepping(py::module_& m);
+void register_sweeping(py::module_& m);
 void register_lattice(py::module_& m);
-void register_solve_reports(py::module_& m);
-void register_quasi_static(py::module_& m);
 
 /// Adds to `_core.defaults` what a function takes where a parameter is left out. Python reads defaults there, since the
 /// signature of a bound function tells them in its text only.

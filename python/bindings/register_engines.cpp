@@ -3,6 +3,7 @@
 
 #include "arrays.hpp"
 #include "interrupt.hpp"
+#include "rooms.hpp"
 #include "words.hpp"
 
 namespace {
@@ -15,8 +16,7 @@ class Guarded {
   public:
     explicit Guarded(Engine engine) : engine_(std::move(engine)) {}
 
-    const Kernel& kernel() const { return engine_.kernel(); }
-    StepPath path() const { return engine_.path(); }
+    const Engine& get() const { return engine_; }
 
     StepReport report() {
         const py::gil_scoped_release release;
@@ -58,7 +58,7 @@ class Guarded {
     }
 
   private:
-    std::vector<py::ssize_t> shape() const { return {kernel().grid().bins(), kernel().grid().bins()}; }
+    std::vector<py::ssize_t> shape() const { return {engine_.grid().bins(), engine_.grid().bins()}; }
 
     Engine engine_;
     std::mutex mutex_;
@@ -79,7 +79,7 @@ p : ndarray (N, N)
 stress_ratio : float
     Load, >= 0.
 out : ndarray (N, N), optional
-    Where to write the new state; may be `p` itself.
+    Array for the new state; may be `p` itself.
 
 Returns
 -------
@@ -121,23 +121,24 @@ TypeError, ShapeError, ParameterError
 )doc")
         .def_property_readonly("report", &Self::report, "StepReport of the last call of `step` or `settle`.")
         .def_property_readonly(
-            "grid", [](const Self& e) { return e.kernel().grid(); }, "The LogGrid.")
+            "grid", [](const Self& e) { return e.get().grid(); }, "The LogGrid.")
         .def_property_readonly(
-            "material", [](const Self& e) { return e.kernel().material(); }, "The Material.")
+            "material", [](const Self& e) { return e.get().material(); }, "The Material.")
         .def_property_readonly(
-            "kind", [](const Self& e) { return word_of(e.kernel().kind()); }, "Which kernel.")
+            "kind", [](const Self& e) { return word_of(e.get().kernel().options().kind); },
+            "Kernel: \"slow\", \"exact\", \"fast\" or \"blend\".")
         .def_property_readonly(
-            "loading_rate", [](const Self& e) { return e.kernel().loading_rate(); },
+            "loading_rate", [](const Self& e) { return e.get().kernel().options().loading_rate; },
             "Share of the fast kernel.")
         .def_property_readonly(
-            "fragment_rule", [](const Self& e) { return word_of(e.kernel().rule()); }, "See `fragment_pmf`.")
+            "scheme", [](const Self& e) { return word_of(e.get().options().scheme); },
+            "Fragments on the grid: \"conservative\" or \"paper\".")
         .def(
             "__eq__",
             [](const Self& a, const Self& b) {
-                const Kernel& x = a.kernel();
-                const Kernel& y = b.kernel();
-                return x.grid() == y.grid() && x.material() == y.material() && x.kind() == y.kind() &&
-                       x.loading_rate() == y.loading_rate() && x.rule() == y.rule();
+                const Engine& x = a.get();
+                const Engine& y = b.get();
+                return x.grid() == y.grid() && x.material() == y.material() && x.options() == y.options();
             },
             py::is_operator());
 }
@@ -145,9 +146,12 @@ TypeError, ShapeError, ParameterError
 using SlowEngine = Guarded<SlowUpdate>;
 using FullEngine = Guarded<FullConvolution>;
 
+}  // namespace
+
 void register_slow_update(py::module_& m) {
-    const auto make = [](const LogGrid& grid, const Material& material, const std::string& rule) {
-        return std::make_unique<SlowEngine>(SlowUpdate(grid, material, choice_of<FragmentRule>(rule)));
+    const SlowUpdateOptions defaults;
+    const auto make = [](const LogGrid& grid, const Material& material, const std::string& scheme) {
+        return std::make_unique<SlowEngine>(SlowUpdate(grid, material, {choice_of<Scheme>(scheme)}));
     };
     py::class_<SlowEngine> engine(m, "SlowUpdate",
                                   R"doc(One slow step that touches only what crushes (Section 8.2).
@@ -160,13 +164,14 @@ Parameters
 ----------
 grid : LogGrid
 material : Material
-fragment_rule : {"paper", "conservative"}
-    See `fragment_pmf`.
+scheme : {"conservative", "paper"}
+    Fragments on the grid, as in `fragment_pmf`: "conservative" are finite volumes, under "paper" every
+    crush moves at least one bin. Under either a cell moves whole, by the test of its centre.
 
 Raises
 ------
 ParameterError
-    For a fragment rule it does not know.
+    For a word it does not know.
 
 Examples
 --------
@@ -179,16 +184,16 @@ Examples
 (1.0, True)
 )doc");
     engine
-        .def(py::init(make), py::arg("grid"), py::arg("material"), py::kw_only(),
-             py::arg("fragment_rule") = "paper")
+        .def(py::init(make), py::arg("grid"), py::arg("material"),
+             py::arg("scheme") = word_of(defaults.scheme))
         .def("__repr__",
              [](const SlowEngine& e) {
-                 return repr_of("SlowUpdate", "grid", e.kernel().grid(), "material", e.kernel().material(),
-                                "fragment_rule", word_of(e.kernel().rule()));
+                 return repr_of("SlowUpdate", "grid", e.get().grid(), "material", e.get().material(),
+                                "scheme", word_of(e.get().options().scheme));
              })
         .def(py::pickle(
             [](const SlowEngine& e) {
-                return py::make_tuple(e.kernel().grid(), e.kernel().material(), word_of(e.kernel().rule()));
+                return py::make_tuple(e.get().grid(), e.get().material(), word_of(e.get().options().scheme));
             },
             [make](const py::tuple& t) {
                 return make(t[0].cast<LogGrid>(), t[1].cast<Material>(), t[2].cast<std::string>());
@@ -197,12 +202,13 @@ Examples
 }
 
 void register_full_convolution(py::module_& m) {
+    const FullConvolutionOptions defaults;
     const auto make = [](const LogGrid& grid, const Material& material, const std::string& kind,
-                         double loading_rate, const std::string& rule, const std::string& path,
+                         double loading_rate, const std::string& scheme, const std::string& path,
                          const std::string& effort) {
+        const KernelOptions kernel{choice_of<KernelKind>(kind), loading_rate, choice_of<Scheme>(scheme)};
         return std::make_unique<FullEngine>(FullConvolution(
-            Kernel(grid, material, choice_of<KernelKind>(kind), loading_rate, choice_of<FragmentRule>(rule)),
-            choice_of<StepPath>(path), choice_of<PlanEffort>(effort)));
+            grid, material, {kernel, choice_of<StepPath>(path), choice_of<PlanEffort>(effort)}));
     };
     py::class_<FullEngine> engine(m, "FullConvolution",
                                   R"doc(One time step with any kernel (Eqs. 59-61, 63, 67, 68).
@@ -220,9 +226,10 @@ material : Material
 kind : {"slow", "exact", "fast", "blend"}
     Eq. 63, 59, 68, or 67: (1 - loading_rate) slow + loading_rate fast.
 loading_rate : float
-    For "blend", in [0, 1].
-fragment_rule : {"paper", "conservative"}
-    See `fragment_pmf`.
+    Share of the fast kernel in a "blend", in [0, 1].
+scheme : {"conservative", "paper"}
+    Fragments on the grid, as in `fragment_pmf`: "conservative" are finite volumes, under "paper" every
+    crush moves at least one bin. Under either a cell moves whole, by the test of its centre.
 path : {"automatic", "transforms", "sums"}
     "transforms" takes FFTW in any case, and "sums" refuses laws that have none.
 effort : {"estimate", "measure"}
@@ -246,35 +253,30 @@ Examples
 (1.0, 1.0)
 )doc");
     engine
-        .def(py::init(make), py::arg("grid"), py::arg("material"), py::arg("kind") = "slow", py::kw_only(),
-             py::arg("loading_rate") = 0.0, py::arg("fragment_rule") = "paper", py::arg("path") = "automatic",
-             py::arg("effort") = "estimate")
+        .def(py::init(make), py::arg("grid"), py::arg("material"), py::arg("kind") = word_of(defaults.kind),
+             py::kw_only(), py::arg("loading_rate") = defaults.loading_rate,
+             py::arg("scheme") = word_of(defaults.scheme), py::arg("path") = word_of(defaults.path),
+             py::arg("effort") = word_of(defaults.effort))
         .def_property_readonly(
-            "path", [](const FullEngine& e) { return word_of(e.path()); }, "By what means, as asked for.")
+            "path", [](const FullEngine& e) { return word_of(e.get().options().path); },
+            "Means of spreading mass, as asked for.")
         .def("__repr__",
              [](const FullEngine& e) {
-                 const Kernel& k = e.kernel();
-                 return repr_of("FullConvolution", "grid", k.grid(), "material", k.material(), "kind",
-                                word_of(k.kind()), "loading_rate", k.loading_rate(), "fragment_rule",
-                                word_of(k.rule()), "path", word_of(e.path()));
+                 const FullConvolutionOptions& o = e.get().options();
+                 return repr_of("FullConvolution", "grid", e.get().grid(), "material", e.get().material(),
+                                "kind", word_of(o.kind), "loading_rate", o.loading_rate, "scheme",
+                                word_of(o.scheme), "path", word_of(o.path));
              })
         .def(py::pickle(
             [](const FullEngine& e) {
-                const Kernel& k = e.kernel();
-                return py::make_tuple(k.grid(), k.material(), word_of(k.kind()), k.loading_rate(),
-                                      word_of(k.rule()), word_of(e.path()));
+                const FullConvolutionOptions& o = e.get().options();
+                return py::make_tuple(e.get().grid(), e.get().material(), word_of(o.kind), o.loading_rate,
+                                      word_of(o.scheme), word_of(o.path), word_of(o.effort));
             },
             [make](const py::tuple& t) {
                 return make(t[0].cast<LogGrid>(), t[1].cast<Material>(), t[2].cast<std::string>(),
                             t[3].cast<double>(), t[4].cast<std::string>(), t[5].cast<std::string>(),
-                            "estimate");
+                            t[6].cast<std::string>());
             }));
     add_engine_methods(engine);
-}
-
-}  // namespace
-
-void register_engines(py::module_& m) {
-    register_slow_update(m);
-    register_full_convolution(m);
 }

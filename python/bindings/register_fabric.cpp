@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.hpp"
+#include "rooms.hpp"
 #include "words.hpp"
 
 namespace {
@@ -19,12 +20,6 @@ std::vector<Atom> atoms_from(const py::object& list) {
     return atoms;
 }
 
-Ridge make_ridge(const std::string& exact, double at, const py::object& mass, double above) {
-    const auto bins = py::isinstance<py::array>(mass) ? py::cast<py::array>(mass).size() : 0;
-    const auto m = strict_array(mass, {bins}, "mass");
-    return {choice_of<Axis>(exact), at, std::vector<double>(m.data(), m.data() + m.size()), above};
-}
-
 Fabric make_fabric(const LogGrid& grid, const py::object& probability, const py::object& atoms,
                    std::optional<double> settled_at, const std::string& mean, std::vector<Ridge> ridges) {
     const auto p = strict_array(probability, {grid.bins(), grid.bins()}, "probability");
@@ -39,139 +34,19 @@ Fabric make_fabric(const LogGrid& grid, const py::object& probability, const py:
 using Carried = std::tuple<py::array_t<double>, py::array_t<double>, std::vector<PointMass>>;
 
 Carried carried_of(const Fabric& fabric) {
-    CarriedMarginals marginals = fabric.carried();
-    return {copied(marginals.rows), copied(marginals.spread), std::move(marginals.points)};
+    const FabricParts& parts = fabric.parts();
+    return {copied(parts.rows), copied(parts.spread), parts.points};
 }
 
 Fabric with_carried(const Fabric& fabric, const py::object& rows, const py::object& spread,
                     std::vector<PointMass> points) {
     const auto r = strict_array(rows, {fabric.grid().bins()}, "rows");
     const auto s = strict_array(spread, {fabric.grid().bins()}, "spread");
-    return fabric.with_carried(
-        {{r.data(), r.data() + r.size()}, {s.data(), s.data() + s.size()}, std::move(points)});
-}
-
-py::iterator unpacked(const py::tuple& fields) {
-    return py::iter(fields);
-}
-
-void register_exact_masses(py::module_& m) {
-    py::class_<PointMass>(m, "PointMass", R"doc(Mass at one exact log size; unpacks to (psi, mass).
-
-Parameters
-----------
-psi : float
-    Log size.
-mass : float
-    Share of the mass.
-
-Examples
---------
->>> import comminute as cm
->>> psi, mass = cm.mixed_fabric(cm.monodisperse(1.0), cm.LogGrid(-6.0, 0.0, 61)).points[0]
->>> psi, mass
-(0.0, 1.0)
-)doc")
-        .def(py::init([](double psi, double mass) {
-                 return PointMass{psi, mass};
-             }),
-             py::arg("psi"), py::arg("mass"))
-        .def_readonly("psi", &PointMass::psi, "Log size.")
-        .def_readonly("mass", &PointMass::mass, "Share of the mass.")
-        .def("__iter__", [](const PointMass& p) { return unpacked(py::make_tuple(p.psi, p.mass)); })
-        .def(
-            "__eq__", [](const PointMass& a, const PointMass& b) { return a == b; }, py::is_operator())
-        .def("__repr__",
-             [](const PointMass& p) { return repr_of("PointMass", "psi", p.psi, "mass", p.mass); })
-        .def(py::pickle([](const PointMass& p) { return py::make_tuple(p.psi, p.mass); },
-                        [](const py::tuple& t) {
-                            return PointMass{t[0].cast<double>(), t[1].cast<double>()};
-                        }));
-
-    const auto make_atom = [](double psi, double psibar, double mass) { return Atom{psi, psibar, mass}; };
-    py::class_<Atom>(m, "Atom",
-                     R"doc(Mass at one exact place of the fabric; unpacks to (psi, psibar, mass).
-
-Grains of one size among neighbours of one mean size. All of it crushes, or none.
-
-Parameters
-----------
-psi, psibar : float
-    Log grainsize and log neighbourhood grainsize.
-mass : float
-    Share of the mass.
-
-Examples
---------
->>> import comminute as cm
->>> [psi, psibar, mass] = cm.mixed_fabric(cm.monodisperse(1.0), cm.LogGrid(-6.0, 0.0, 61)).atoms[0]
->>> psi, psibar, mass
-(0.0, 0.0, 1.0)
-)doc")
-        .def(py::init(make_atom), py::arg("psi"), py::arg("psibar"), py::arg("mass"))
-        .def(py::init([make_atom](const py::tuple& t) {
-            if (t.size() != 3) throw py::type_error("an atom is (psi, psibar, mass)");
-            return make_atom(t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>());
-        }))
-        .def_readonly("psi", &Atom::psi, "Log grainsize.")
-        .def_readonly("psibar", &Atom::psibar, "Log neighbourhood grainsize.")
-        .def_readonly("mass", &Atom::mass, "Share of the mass.")
-        .def("__iter__", [](const Atom& a) { return unpacked(py::make_tuple(a.psi, a.psibar, a.mass)); })
-        .def(
-            "__eq__", [](const Atom& a, const Atom& b) { return a == b; }, py::is_operator())
-        .def("__repr__",
-             [](const Atom& a) { return repr_of("Atom", "psi", a.psi, "psibar", a.psibar, "mass", a.mass); })
-        .def(py::pickle([](const Atom& a) { return py::make_tuple(a.psi, a.psibar, a.mass); },
-                        [make_atom](const py::tuple& t) {
-                            return make_atom(t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>());
-                        }));
-    py::implicitly_convertible<py::tuple, Atom>();
-
-    py::class_<Ridge>(m, "Ridge",
-                      R"doc(Mass with one of its two log sizes exact and the other spread over bins.
-
-What becomes of an atom once one of its two grains has crushed, or of exact sizes mixed with a spread
-grading.
-
-Parameters
-----------
-exact : {"grain", "neighbour"}
-    Which log size is exact: psi or psibar.
-at : float
-    Its value.
-mass : ndarray (N,)
-    Mass by bin of the other log size.
-above : float
-    Of the mass in the bin that holds `at`: the part larger than `at`.
-
-Examples
---------
->>> import comminute as cm
->>> grid = cm.LogGrid(-6.0, 0.0, 61)
->>> start = cm.mixed_fabric(cm.monodisperse(1.0), grid)
->>> after = cm.QuasiStatic(grid, cm.Material()).solve(start, 1.0)
->>> [(ridge.exact, ridge.at, float(ridge.mass.sum().round(12))) for ridge in after.ridges]
-[('grain', 0.0, 0.5), ('neighbour', 0.0, 0.5)]
-)doc")
-        .def(py::init(&make_ridge), py::arg("exact"), py::arg("at"), py::arg("mass"), py::arg("above") = 0.0)
-        .def_property_readonly(
-            "exact", [](const Ridge& r) { return word_of(r.exact); }, "\"grain\" or \"neighbour\".")
-        .def_readonly("at", &Ridge::at, "The exact log size.")
-        .def_property_readonly(
-            "mass", [](const Ridge& r) { return copied(r.mass); }, "(N,) mass by bin of the other log size.")
-        .def_readonly("above", &Ridge::above,
-                      "Of the mass in the bin that holds `at`: the part larger than `at`.")
-        .def(
-            "__eq__", [](const Ridge& a, const Ridge& b) { return a == b; }, py::is_operator())
-        .def("__repr__",
-             [](const Ridge& r) {
-                 return repr_of("Ridge", "exact", word_of(r.exact), "at", r.at, "bins", r.mass.size());
-             })
-        .def(py::pickle(
-            [](const Ridge& r) { return py::make_tuple(word_of(r.exact), r.at, copied(r.mass), r.above); },
-            [](const py::tuple& t) {
-                return make_ridge(t[0].cast<std::string>(), t[1].cast<double>(), t[2], t[3].cast<double>());
-            }));
+    FabricParts parts = fabric.parts();
+    parts.rows.assign(r.data(), r.data() + r.size());
+    parts.spread.assign(s.data(), s.data() + s.size());
+    parts.points = std::move(points);
+    return Fabric::from_parts(std::move(parts));
 }
 
 }  // namespace
@@ -246,39 +121,21 @@ array([0.0625, 0.0625])
         .def(
             "cdf", [](const Fabric& f) { return copied(f.cdf()); },
             "(N,) mass fraction finer than the upper edge of each bin.")
-        .def("carried", &carried_of,
-             R"doc(Marginals as an engine or a mixing handed them on, for `with_carried`.
-
-Returns
--------
-(ndarray (N,), ndarray (N,), list of PointMass)
-    Mass by grainsize of the bins; of the bins and of the ridges that spread over psi; of exact sizes.
-)doc")
-        .def("with_carried", &with_carried, py::arg("rows"), py::arg("spread"), py::arg("points"),
-             R"doc(The same fabric with these marginals.
+        .def("_carried", &carried_of,
+             "Marginals as an engine or a mixing handed them on, for `_with_carried`: mass by grainsize in "
+             "bins, the "
+             "same with the ridges that spread over psi, and exact sizes.")
+        .def("_with_carried", &with_carried, py::arg("rows"), py::arg("spread"), py::arg("points"),
+             R"doc(The same fabric with the marginals that `_carried` gave.
 
 A fabric made again from its parts sums its marginals anew, which differs in the last bit from those that
 it was solved or mixed with. With them it is the same to that bit, and so is all that follows.
-
-Parameters
-----------
-rows, spread, points
-    As `carried` gave them.
-
-Returns
--------
-Fabric
-
-Raises
-------
-TypeError, ShapeError, ParameterError
-    For marginals that are not this fabric's (to 1e-9).
 
 Examples
 --------
 >>> import comminute as cm
 >>> fabric = cm.mixed_fabric(cm.power_law(2.5, 0.01, 1.0), cm.LogGrid(-6.0, 0.0, 61))
->>> again = cm.Fabric(fabric.grid, fabric.probability, mean=fabric.mean).with_carried(*fabric.carried())
+>>> again = cm.Fabric(fabric.grid, fabric.probability, mean=fabric.mean)._with_carried(*fabric._carried())
 >>> cm.remix(again) == fabric
 True
 )doc")

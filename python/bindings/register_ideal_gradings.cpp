@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bindings.hpp"
+#include "rooms.hpp"
 
 using namespace comminute;
 

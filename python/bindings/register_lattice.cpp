@@ -92,7 +92,7 @@ py::tuple ring_state(const LatticeRing& ring) {
 
 LatticeRing ring_from(const py::tuple& t) {
     LatticeRing ring;
-    for (const double psi : vector_of<double>(t[0])) ring.cells.push_back({psi, std::exp(psi)});
+    for (const double psi : vector_of<double>(t[0])) ring.cells.push_back(LatticeCell::of(psi));
     ring.crushes = vector_of<std::uint32_t>(t[1]);
     ring.stream = t[2].cast<std::uint64_t>();
     ring.remixes = t[3].cast<std::uint32_t>();
@@ -236,7 +236,7 @@ void register_event_driven(py::module_& m) {
     const auto avalanches = [](Self& l, Index replica) {
         return avalanche_arrays(l.with([&](const Lattice& model) { return model.avalanches(replica); }));
     };
-    py::class_<Self> lattice(m, "Lattice", "What `comminute.Lattice` drives.");
+    py::class_<Self> lattice(m, "Lattice", "The core that `comminute.Lattice` drives.");
     lattice
         .def(py::init(from_grading), py::arg("cells"), py::arg("material"), py::arg("grading"), py::kw_only(),
              py::arg("seed") = standard.seed, py::arg("replicas") = standard.replicas,
@@ -281,7 +281,7 @@ void register_time_stepped(py::module_& m) {
         const TimeStepping stepping{crush_probability, load_factor};
         return std::make_unique<Self>(TimeSteppedLattice(sizes_in(sizes), material, stepping, options));
     };
-    py::class_<Self> lattice(m, "TimeSteppedLattice", "What `comminute.TimeSteppedLattice` drives.");
+    py::class_<Self> lattice(m, "TimeSteppedLattice", "The core that `comminute.TimeSteppedLattice` drives.");
     lattice
         .def(py::init(from_grading), py::arg("cells"), py::arg("material"), py::arg("grading"), py::kw_only(),
              py::arg("crush_probability") = steps.crush_probability,

@@ -22,13 +22,6 @@ struct Words<comminute::KernelKind> {
 };
 
 template <>
-struct Words<comminute::FragmentRule> {
-    static constexpr const char* parameter = "fragment_rule";
-    static constexpr std::array<std::pair<const char*, comminute::FragmentRule>, 2> list{
-        {{"paper", comminute::FragmentRule::paper}, {"conservative", comminute::FragmentRule::conservative}}};
-};
-
-template <>
 struct Words<comminute::Mean> {
     static constexpr const char* parameter = "mean";
     static constexpr std::array<std::pair<const char*, comminute::Mean>, 2> list{

@@ -13,7 +13,7 @@ Examples
 True
 """
 
-import comminute.util.core_keywords  # noqa: F401  (before the names of the core are taken from it)
+import comminute.util.keywords  # noqa: F401  (before the names of the core are taken from it)
 from comminute._core import (
     Atom,
     CrushZones,
@@ -61,7 +61,7 @@ from comminute._core import (
     stress_ratio_at,
     uniform_size,
 )
-from comminute.files.storage import EditedFileWarning, open_result
+from comminute.files.storage import EditedFileWarning
 from comminute.gradings.breakage import (
     Breakage,
     FractalFit,
@@ -72,15 +72,16 @@ from comminute.gradings.breakage import (
 )
 from comminute.gradings.curves import SieveTable, SizeCurve
 from comminute.gradings.indices import FolkWard, Milling, curvature, fines_share, folk_ward, milling, phi, uniformity
-from comminute.gradings.sieves import sieve_size, sieve_sizes
-from comminute.lattice.results import Comparison, LatticeResult, compare
-from comminute.lattice.rings import Lattice, TimeSteppedLattice
+from comminute.gradings.openings import sieve_size
+from comminute.gradings.sieves import sieve_sizes
+from comminute.lattice.comparison import Comparison, compare
 from comminute.lattice.small_ring import SmallRing
-from comminute.result import Result
-from comminute.runs.continuing import run_again
+from comminute.lattices import Lattice, TimeSteppedLattice
+from comminute.opening import open_result
+from comminute.result import Interrupted, LatticeResult, Result, run_again
 from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning
-from comminute.simulation import Interrupted, Simulation
+from comminute.simulation import Simulation
 
 __all__ = [
     "Atom",

@@ -2,35 +2,19 @@
 
 from __future__ import annotations
 
-import math
 import os
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Literal
 
-import numpy as np
-
 from comminute._core import Fabric, Grading, LogGrid, Material, ParameterError, fitting_grid, mixed_fabric
-from comminute.result import Result
-from comminute.runs.load_path import LoadPath, load_path, wanted_fabrics
+from comminute.result import Result, finished
+from comminute.runs.continuum import Setup, continuum_run
+from comminute.runs.load_path import Keep, load_path, wanted_fabrics
 from comminute.runs.recipe import Recipe
-from comminute.runs.remarks import ResolutionWarning, explained, resolution_warnings
-from comminute.runs.walk import Engines, Records, Walk, engine_of, kind_of
+from comminute.runs.remarks import ResolutionWarning
 from comminute.util.choices import EngineName, Kind, Mean, Scheme, require_word
 from comminute.util.keywords import suggests_keywords
-
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run; `result` has the loads that were finished (None if there are none)."""
-
-    def __init__(self, result: Result | None) -> None:
-        done = 0 if result is None else len(result.stress_ratio)
-        super().__init__(f"interrupted after {done} finished loads; they are in .result")
-        self.result = result
-
-    def __reduce__(self) -> tuple[type[Interrupted], tuple[Result | None]]:
-        """Pickle by what it was made of; exceptions go by their message otherwise."""
-        return Interrupted, (self.result,)
 
 
 def _require_parts(material: object, start: object) -> None:
@@ -53,12 +37,12 @@ class Simulation:
     start : Grading or Fabric
         A grading is mixed completely (Eq. 64); a fabric is taken as it is, on its own grid.
     grid : LogGrid, optional
-        For a grading. Left out, `run` sizes one from grading, fragments and largest load
+        Grid for a grading. Left out, `run` sizes one from grading, fragments and largest load
         (`fitting_grid`).
     mean : {"arithmetic", "geometric"}
-        How two neighbours make a neighbourhood grainsize (Eq. 48 or 65), for a grading.
+        Mean by which two neighbours make a neighbourhood grainsize (Eq. 48 or 65), for a grading.
     scheme : {"conservative", "paper"}
-        How the continuum becomes bins; see `QuasiStatic`. Time-stepping engines take its fragments
+        Scheme by which the continuum becomes bins; see `QuasiStatic`. Time-stepping engines take its fragments
         (`fragment_pmf`) and test zones at bin centres.
 
     Raises
@@ -123,6 +107,13 @@ class Simulation:
         grid = self.grid or fitting_grid(self.start, self.material, max_stress_ratio)
         return mixed_fabric(self.start, grid, mean=self.mean)
 
+    def _setup(self, max_stress_ratio: float) -> Setup:
+        """Everything that is the same at all loads of a run up to a load; see `initial_fabric`."""
+        fabric = self.initial_fabric(max_stress_ratio)
+        if isinstance(self.start, Grading):
+            return Setup(self.material, fabric, self.scheme, self.start.unit, self.start.notes)
+        return Setup(self.material, fabric, self.scheme)
+
     @suggests_keywords
     def run(
         self,
@@ -134,7 +125,7 @@ class Simulation:
         engine: EngineName = "auto",
         kind: Kind | None = None,
         steps_per_load: int | Literal["rest"] = "rest",
-        keep_fabrics: Literal["all", "last"] | Sequence[int] = "all",
+        keep_fabrics: Keep = "all",
         on_load: Callable[[int], object] | None = None,
     ) -> Result:
         """Take the start through a load path.
@@ -144,7 +135,7 @@ class Simulation:
         stress_ratio : float or sequence
             Loads, each >= 0, in any order: unloading and 0 are allowed.
         stress : float or sequence
-            The same in the unit of the material's first_crush_stress. Give one of the two.
+            Loads in the unit of the material's first_crush_stress. Give one of the two.
         loading_rate : float or sequence
             Share of the fast kernel (Eq. 67), in [0, 1], one for all or one per load.
         remix_after : sequence of int
@@ -155,9 +146,9 @@ class Simulation:
         kind : {"slow", "exact", "fast", "blend"}, optional
             Kernel. Left out: slow, or the blend where a loading rate is given.
         steps_per_load : int or "rest"
-            For time-stepping engines, steps at each load: a number, or as many as bring the state to rest.
+            Steps at each load, for time-stepping engines: a number, or as many as bring the state to rest.
         keep_fabrics : {"all", "last"} or sequence of int
-            For which loads `Result.fabric` is kept, N x N numbers each.
+            Loads whose `Result.fabric` is kept, N x N numbers each.
         on_load : callable, optional
             Called with the index of each load when it is finished, for progress bars.
 
@@ -182,60 +173,16 @@ class Simulation:
         counted = isinstance(steps_per_load, int) and not isinstance(steps_per_load, bool) and steps_per_load >= 1
         if steps_per_load != "rest" and not counted:
             raise ParameterError(f'steps_per_load is {steps_per_load!r}; it must be "rest" or a number of at least 1')
-        fabric = self.initial_fabric(float(path.stress_ratio.max()))
-        engines = Engines(fabric.grid, self.material, self.scheme)
         wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size)
-        steps = None if steps_per_load == "rest" else steps_per_load
-        rules = [kind_of(kind, float(rate)) for rate in path.loading_rate]
-        names = [
-            engine_of(engine, rule, float(rate), steps=steps)
-            for rule, rate in zip(rules, path.loading_rate, strict=True)
-        ]
-        records = Records()
-        walk = Walk(fabric, engines, steps)
-        rates, remixed = tuple(path.loading_rate.tolist()), tuple(sorted(path.remix_after))
-        chained = len(wanted) == path.stress_ratio.size
-        recipe = Recipe(rates, remixed, engine, kind, steps_per_load, by_stress=path.by_stress, chained=chained)
-        try:
-            for k, load in enumerate(path.stress_ratio):
-                rate = float(path.loading_rate[k])
-                outcome = walk.load(names[k], rules[k], rate, float(load), with_fabric=k in wanted)
-                records.add(outcome, keep=k in wanted)
-                if k in path.remix_after:
-                    walk.remix()
-                if on_load is not None:
-                    on_load(k)
-        except KeyboardInterrupt:
-            done = len(records.outcomes)
-            raise Interrupted(self._result(fabric, path, engines, records, recipe) if done else None) from None
-        result = self._result(fabric, path, engines, records, recipe)
+        recipe = Recipe.of(
+            path,
+            engine=engine,
+            kind=kind,
+            steps_per_load=steps_per_load,
+            chained=len(wanted) == path.stress_ratio.size,
+        )
+        setup = self._setup(float(path.stress_ratio.max()))
+        result = finished(continuum_run(Result, setup, path, recipe, wanted=wanted), on_load)
         for warning in result.warnings:
             warnings.warn(warning, ResolutionWarning, stacklevel=2)
         return result
-
-    def _result(self, start: Fabric, path: LoadPath, engines: Engines, records: Records, recipe: Recipe) -> Result:
-        done = len(records.outcomes)
-        pmf = np.array([outcome.grainsize for outcome in records.outcomes])
-        crushes = np.array([outcome.crushed for outcome in records.outcomes])
-        ratios = path.stress_ratio[:done]
-        unit = self.start.unit if isinstance(self.start, Grading) else ""
-        assumed = self.start.notes if isinstance(self.start, Grading) else ()
-        return Result(
-            material=self.material,
-            grid=start.grid,
-            start=start,
-            unit=unit,
-            stress_ratio=ratios,
-            stress=None if path.stress is None else path.stress[:done],
-            pmf=pmf,
-            crushes=crushes,
-            mass_error=np.array([math.fsum(row) - 1.0 for row in pmf.tolist()]),
-            engine=" + ".join(engines.names),
-            scheme=self.scheme,
-            notes=(*assumed, *explained(ratios, crushes)),
-            warnings=tuple(resolution_warnings(start.grid, self.material, ratios, pmf, unit)),
-            fabrics=tuple(records.kept),
-            points=tuple(outcome.points for outcome in records.outcomes),
-            reports=tuple(outcome.report for outcome in records.outcomes),
-            recipe=recipe.of_first(done),
-        )

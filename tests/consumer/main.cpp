@@ -16,7 +16,7 @@ int main() {
     const auto binned = fabric.binned();
     const auto before = binned.probability();
     std::vector<double> state(before.data(), before.data() + before.rows() * before.cols());
-    comminute::SlowUpdate engine(grid, material);
+    comminute::SlowUpdate engine(grid, material, {comminute::Scheme::paper});
     const auto steps = comminute::settle(engine, {state.data(), grid.bins(), grid.bins()}, 100.0);
 
     std::vector<double> points;  // two material points, in place

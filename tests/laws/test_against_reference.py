@@ -18,7 +18,7 @@ KINDS: tuple[Kind, ...] = ("exact", "slow", "fast", "blend")
 @given(case=cases(), path=st.sampled_from(["automatic", "transforms"]))
 def test_full_convolution_agrees_with_the_reference(case: Case, path: Literal["automatic", "transforms"]) -> None:
     engine = cm.FullConvolution(
-        case.grid, case.material, case.kind, loading_rate=case.loading_rate, fragment_rule=case.rule, path=path
+        case.grid, case.material, case.kind, loading_rate=case.loading_rate, scheme=case.rule, path=path
     )
     expected = ref.step(case.p, case.psi, case.model, case.stress_ratio, case.kind, case.loading_rate, case.rule)
     np.testing.assert_allclose(engine.step(case.p, case.stress_ratio), expected, rtol=0.0, atol=1e-13)
@@ -26,7 +26,7 @@ def test_full_convolution_agrees_with_the_reference(case: Case, path: Literal["a
 
 @given(case=cases())
 def test_slow_update_agrees_with_the_reference(case: Case) -> None:
-    engine = cm.SlowUpdate(case.grid, case.material, fragment_rule=case.rule)
+    engine = cm.SlowUpdate(case.grid, case.material, scheme=case.rule)
     expected = ref.step(case.p, case.psi, case.model, case.stress_ratio, "slow", 0.0, case.rule)
     np.testing.assert_allclose(engine.step(case.p, case.stress_ratio), expected, rtol=0.0, atol=1e-13)
 
@@ -42,7 +42,7 @@ def test_cell_kernel_agrees_with_the_reference(case: Case, cell: tuple[float, fl
         j,
         case.kind,
         loading_rate=case.loading_rate,
-        fragment_rule=case.rule,
+        scheme=case.rule,
     )
     expected = ref.cell_kernel(case.psi, case.model, case.stress_ratio, i, j, case.kind, case.loading_rate, case.rule)
     np.testing.assert_allclose(kernel, expected, rtol=0.0, atol=1e-14)
@@ -140,12 +140,12 @@ def test_zones_of_the_hand_case() -> None:
 def test_step_of_the_hand_case(kind: Kind) -> None:
     grid, material, p = hand_case_on_eight_bins()
     rate = HAND_CASE.loading_rate if kind == "blend" else 0.0
-    after = cm.FullConvolution(grid, material, kind, loading_rate=rate).step(p, HAND_CASE.stress_ratio)
+    after = cm.FullConvolution(grid, material, kind, loading_rate=rate, scheme="paper").step(p, HAND_CASE.stress_ratio)
     np.testing.assert_allclose(after[:4, :4], getattr(HAND_CASE, kind), rtol=0.0, atol=1e-15)
     assert after[4:, :].sum() + after[:, 4:].sum() == 0.0
 
 
 def test_slow_update_of_the_hand_case() -> None:
     grid, material, p = hand_case_on_eight_bins()
-    after = cm.SlowUpdate(grid, material).step(p, HAND_CASE.stress_ratio)
+    after = cm.SlowUpdate(grid, material, scheme="paper").step(p, HAND_CASE.stress_ratio)
     np.testing.assert_allclose(after[:4, :4], HAND_CASE.slow, rtol=0.0, atol=1e-15)

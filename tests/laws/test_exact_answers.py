@@ -17,7 +17,7 @@ def crushed_by_all_passes(law: cm.WeibullFragments | cm.PowerLawFragments, spaci
     grid = cm.LogGrid(-depth, 0.0, bins)
     p = np.zeros((bins, bins))
     p[-1, -1] = 1.0
-    engine = cm.FullConvolution(grid, cm.Material(fragments=law), "fast", fragment_rule="conservative")
+    engine = cm.FullConvolution(grid, cm.Material(fragments=law), "fast", scheme="conservative")
     engine.settle(p, math.inf, steps=passes, out=p)
     assert p.sum(axis=0) == pytest.approx(p.sum(axis=1), abs=1e-15)  # separable and symmetric
     return np.asarray(p.sum(axis=1)[::-1], dtype=np.float64)
@@ -73,7 +73,7 @@ def test_truncated_exponential_moments_add_over_crushes() -> None:
 def test_a_monodisperse_packing_crushes_by_half_at_its_closed_threshold() -> None:
     grid, material = cm.LogGrid(-6.0, 1.0, 351), cm.Material()
     start = cm.mixed_fabric(cm.monodisperse(1.0), grid, points="binned")
-    engine = cm.SlowUpdate(grid, material)
+    engine = cm.SlowUpdate(grid, material, scheme="paper")
     engine.step(start.probability, 1.0)
     assert engine.report.crushed == 0.5
     engine.step(start.probability, 1.0 - 1e-9)
@@ -131,7 +131,7 @@ def test_without_fabric_grains_crush_1_plus_poisson_times(
         p[-1, 0] = 1.0
         count = cm.QuasiStatic(grid, material)
         count.solve(p, load)
-        steps, active = engine(grid, material, fragment_rule="conservative"), []
+        steps, active = engine(grid, material, scheme="conservative"), []
         for _ in more_than:
             p = steps.step(p, load)
             active.append(p[-bins_above:].sum())

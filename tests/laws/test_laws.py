@@ -14,10 +14,8 @@ from strategies import Case, cases
 
 def engine_of(case: Case) -> cm.FullConvolution | cm.SlowUpdate:
     if case.kind == "slow" and case.rule == "conservative":
-        return cm.SlowUpdate(case.grid, case.material, fragment_rule=case.rule)
-    return cm.FullConvolution(
-        case.grid, case.material, case.kind, loading_rate=case.loading_rate, fragment_rule=case.rule
-    )
+        return cm.SlowUpdate(case.grid, case.material, scheme=case.rule)
+    return cm.FullConvolution(case.grid, case.material, case.kind, loading_rate=case.loading_rate, scheme=case.rule)
 
 
 def means(p: Array, psi: Array) -> tuple[float, float]:
@@ -42,8 +40,8 @@ def test_mass_is_kept_nothing_is_negative_and_grains_only_get_finer(case: Case, 
 
 @given(case=cases(max_bins=60))
 def test_full_convolution_and_slow_update_agree_over_a_load_path(case: Case) -> None:
-    update = cm.SlowUpdate(case.grid, case.material, fragment_rule=case.rule)
-    convolution = cm.FullConvolution(case.grid, case.material, fragment_rule=case.rule, path="transforms")
+    update = cm.SlowUpdate(case.grid, case.material, scheme=case.rule)
+    convolution = cm.FullConvolution(case.grid, case.material, scheme=case.rule, path="transforms")
     p, q = case.p.copy(), case.p.copy()
     for load in np.geomspace(0.1, 1.0, 12) * case.stress_ratio:
         update.step(p, load, out=p)
@@ -58,7 +56,7 @@ def test_a_settled_state_forgets_the_steps_that_led_to_it(case: Case, share: flo
     """Slow, fast and blend: many loads and one load end in the same state (rest tolerance 1e-18)."""
     rate = share if case.kind == "blend" else 0.0
     kind = "slow" if case.kind == "exact" else case.kind
-    engine = cm.FullConvolution(case.grid, case.material, kind, loading_rate=rate, fragment_rule=case.rule)
+    engine = cm.FullConvolution(case.grid, case.material, kind, loading_rate=rate, scheme=case.rule)
     p = case.p.copy()
     for load in np.geomspace(0.05, 1.0, 15) * case.stress_ratio:
         engine.settle(p, load, out=p)
@@ -68,7 +66,7 @@ def test_a_settled_state_forgets_the_steps_that_led_to_it(case: Case, share: flo
 def test_the_exact_kernel_does_remember_the_steps() -> None:
     grid, material = cm.LogGrid(-12.0, 0.0, 121), cm.Material()
     start = cm.mixed_fabric(cm.power_law(2.5, 0.05, 1.0), grid).probability
-    engine = cm.FullConvolution(grid, material, "exact")
+    engine = cm.FullConvolution(grid, material, "exact", scheme="paper")
     many = start.copy()
     for load in np.geomspace(0.05, 1.0, 60) * 1e4:
         engine.settle(many, load, out=many)
@@ -78,7 +76,7 @@ def test_the_exact_kernel_does_remember_the_steps() -> None:
 
 @given(case=cases())
 def test_a_settled_state_is_at_rest(case: Case) -> None:
-    engine = cm.SlowUpdate(case.grid, case.material, fragment_rule=case.rule)
+    engine = cm.SlowUpdate(case.grid, case.material, scheme=case.rule)
     p = engine.settle(case.p, case.stress_ratio)
     active = cm.crush_zones(case.grid, case.material, case.stress_ratio) > 0
     assert p[active].sum() <= 2e-18
@@ -89,7 +87,10 @@ def test_in_place_and_out_of_place_are_the_same_to_the_bit() -> None:
     grid, material = cm.LogGrid(-6.0, 0.5, 64), cm.Material(fabric_width=0.3)
     p = np.random.default_rng(1).dirichlet(np.ones(64 * 64)).reshape(64, 64)
     kept = p.copy()
-    for engine in (cm.SlowUpdate(grid, material), cm.FullConvolution(grid, material, "exact")):
+    for engine in (
+        cm.SlowUpdate(grid, material, scheme="paper"),
+        cm.FullConvolution(grid, material, "exact", scheme="paper"),
+    ):
         out = engine.step(p, 30.0)
         np.testing.assert_array_equal(p, kept)
         target = np.full_like(p, np.nan)

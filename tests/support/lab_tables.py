@@ -123,6 +123,7 @@ PANS = [
     "0",
     "-",
 ]
+FORMS = [("No. ", " in"), ("#", '"'), ("Nº ", "″"), ("US Std # ", " in"), ("ASTM No. ", " in")]
 TOTALS = ["Total", "Sum", "Summe", "Suma", "Soma", "Totale", "合計", "合计"]
 
 
@@ -209,9 +210,7 @@ def _sizes(
 ) -> tuple[str, list[str], str]:
     """Header and cells of the size column."""
     if names[0].startswith(("N", "3/")):
-        number_word, inch = chance.choice(
-            [("No. ", " in"), ("#", '"'), ("Nº ", "″"), ("US Std # ", " in"), ("ASTM No. ", " in")]
-        )
+        number_word, inch = chance.choice(FORMS)
         shown = [name.replace("No. ", number_word).replace(" in", inch) for name in names]
         if chance.random() < 0.3:
             both = [f"{name} ({number(size, 3, decimal, '')} mm)" for name, size in zip(shown, sizes, strict=True)]

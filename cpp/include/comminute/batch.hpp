@@ -33,27 +33,29 @@ class StackView {
     Index stride_;
 };
 
-/// Many states and the load of each, as a host code's material points have them.
+/// Many states and the load of each, such as the material points of a host code.
 struct Batch {
     StackView<const double> states;         ///< (B, N, N)
     VectorView<const double> stress_ratio;  ///< (B)
-    VectorView<const double>
-        settled_at;  ///< (B) load under which each is at rest, 0: never loaded; empty: none was
+    /// (B) load under which each state is at rest, 0 for one that was never loaded; empty if none ever was
+    VectorView<const double> settled_at;
 };
 
+/// How a batch is run.
 struct BatchOptions {
-    Index threads = 1;  ///< at most so many at a time, each with a workspace of its own
-    /// Asked some times a second; if it answers false (or throws) the batch stops there, with some states written.
+    Index threads = 1;  ///< >= 1, largest number of threads, each with a workspace of its own
+    /// Called a few times a second; if it returns false or throws, the batch stops there, with some states written.
     std::function<bool()> go_on;
 };
 
 /// QuasiStatic for many states on one grid and material.
 ///
-/// Gives for each state the very bits that QuasiStatic gives, whatever the number of threads. States that share their
-/// loads take turns and share the crush zones too, so a few loads for many states cost less. Starts no thread unless
-/// asked; each takes some tens of microseconds to start, so they pay from some hundred small states on.
+/// The result for each state equals that of QuasiStatic bit by bit, whatever the number of threads. States with the same
+/// loads are solved one after the other and share the crush zones, so that many states under a few loads cost less. By
+/// default it starts no thread; each takes some tens of microseconds to start, which pays from some hundred small states
+/// on.
 ///
-/// Begin-state in, end-state out; in place too. One object for one caller at a time.
+/// Begin-state in, end-state out, also in place. One object serves one caller at a time.
 ///
 /// @code{.cpp}
 /// comminute::LogGrid grid(-6.0, 0.0, 32);
@@ -63,29 +65,32 @@ struct BatchOptions {
 /// comminute::StackView<double> points(states.data(), 2, 32);
 /// std::vector<comminute::SolveReport> reports(2);
 /// solver.solve({points, load, settled_at}, points, reports);       // in place
-/// settled_at = load;                                               // all that a point has to remember
+/// settled_at = load;                                               // what a point has to remember
 /// CHECK(reports[1].crushed > reports[0].crushed);
 /// CHECK(reports[0].crushed > 0.0);
 /// @endcode
 class COMMINUTE_API BatchSolver {
   public:
+    /// Takes grid, material and options from a solver.
     /// @param solver  copied for every thread
     explicit BatchSolver(QuasiStatic solver);
 
     const QuasiStatic& solver() const { return workers_.front(); }
 
+    /// Brings every state to rest.
     /// @param out      (B, N, N) states at rest under the larger of `stress_ratio` and `settled_at`; may be
     ///                 `batch.states` itself
-    /// @param reports  (B), or empty
-    /// @return         whether it came to the end
+    /// @param reports  (B) out; empty to skip
+    /// @return         whether all states were solved; false where `go_on` stopped the batch
     /// @throws ShapeError for sizes that do not fit or a partial overlap; ParameterError, naming the first index, for a
-    ///         bad load or an entry in the crush zone that is not finite. All this before anything is written; only
-    ///         masses so large that their sum overflows are found on the way
+    ///         bad load or an entry in the crush zone that is not finite. Both are thrown before anything is written;
+    ///         only masses so large that their sum overflows are found on the way
     bool solve(const Batch& batch, StackView<double> out, VectorView<SolveReport> reports = {nullptr, 0},
                const BatchOptions& options = {});
 
-    /// @param grainsize  (B, N) mass by grainsize after it; may not overlap the states
-    /// @throws           as solve()
+    /// Computes the grading of every state at rest, without the state.
+    /// @param grainsize  (B, N) out: mass by grainsize; may not overlap the states
+    /// @return, @throws  as solve()
     bool marginal(const Batch& batch, MatrixView<double> grainsize,
                   VectorView<SolveReport> reports = {nullptr, 0}, const BatchOptions& options = {});
 

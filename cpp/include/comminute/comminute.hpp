@@ -15,6 +15,7 @@
 #include "comminute/lattice.hpp"
 #include "comminute/material.hpp"
 #include "comminute/quasi_static.hpp"
+#include "comminute/scheme.hpp"
 #include "comminute/settle.hpp"
 #include "comminute/slow_update.hpp"
 #include "comminute/version.hpp"

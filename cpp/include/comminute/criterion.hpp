@@ -28,10 +28,10 @@ COMMINUTE_API double stress_function(const Material& material, double psi, doubl
 /// width.
 COMMINUTE_API double logspace_load(const Material& material, double stress_ratio);
 
-/// The inverse of logspace_load.
+/// Stress ratio at a log-space load, the inverse of logspace_load. Needs a finite fabric width.
 COMMINUTE_API double stress_ratio_at(const Material& material, double logspace_load);
 
-/// Which of the two grains of a cell (psi, psibar) the load crushes (Eqs. 52-55).
+/// The grains of a cell (psi, psibar) that the load crushes (Eqs. 52-55).
 enum class Zone : std::uint8_t {
     rest = 0,       ///< 00: neither
     neighbour = 1,  ///< 01: psibar alone
@@ -57,7 +57,8 @@ class COMMINUTE_API CrushZones {
   public:
     CrushZones(const LogGrid& grid, const Material& material, double stress_ratio);
 
-    /// Moves the zones to another load; allocates nothing.
+    /// Moves the zones to another load. Allocates nothing.
+    /// @throws ParameterError for a stress ratio that is negative or NaN
     void set_load(double stress_ratio);
 
     double stress_ratio() const { return stress_ratio_; }
@@ -65,9 +66,9 @@ class COMMINUTE_API CrushZones {
     const Material& material() const { return material_; }
 
     /// Largest |i - j| that is active in shell m; -1 where none is.
-    Index band(Index m) const { return band_[static_cast<std::size_t>(m)]; }
+    Index band(Index m) const { return VectorView<const Index>(band_)[m]; }
     /// Largest |i - j| in shell m at which both grains crush; -1 where none is.
-    Index overlap(Index m) const { return overlap_[static_cast<std::size_t>(m)]; }
+    Index overlap(Index m) const { return VectorView<const Index>(overlap_)[m]; }
 
     Zone at(Index i, Index j) const {
         const Index larger = i > j ? i : j;
@@ -77,10 +78,12 @@ class COMMINUTE_API CrushZones {
         return i > j ? Zone::grain : Zone::neighbour;
     }
 
-    /// Whether the larger grain of a pair at an exact place crushes, or either of two equal ones: the slow zone.
+    /// Whether a pair of exact log sizes lies in the slow zone: its larger grain crushes, or either of two equal ones.
     bool active(double psi, double psibar) const;
 
-    /// (N, N) one byte a cell. @throws ShapeError
+    /// Writes the zone of every cell.
+    /// @param zones  (N, N) out: values of Zone
+    /// @throws ShapeError for another shape
     void fill(MatrixView<std::uint8_t> zones) const;
 
     /// Half-width W of the zone, in psi, where the larger grain has log size psi: sqrt(g* + k psi);
@@ -101,9 +104,9 @@ class COMMINUTE_API CrushZones {
     double log_load_ = 0.0;  // ln sigma*
     double strength_ = 0.0;  // 3 / w
     double log_reference_ = 0.0;
-    double magnitude_ = 0.0;  // of the rounding in a log size, see crushes()
-    std::vector<Index> band_;
-    std::vector<Index> overlap_;
+    double magnitude_ = 0.0;      // largest |log size| in play, to which rounding is proportional
+    std::vector<Index> band_;     // (N)
+    std::vector<Index> overlap_;  // (N)
 };
 
 /// Share of each cell's area that lies inside the slow crush zone (the larger grain crushes), with mass taken
@@ -114,7 +117,8 @@ class COMMINUTE_API CrushZones {
 COMMINUTE_API void active_share(const LogGrid& grid, const Material& material, double stress_ratio,
                                 MatrixView<double> share);
 
-/// The same for one cell of shell m at |i - j| = distance.
+/// Share of one cell: of shell m, at |i - j| = distance.
+/// @throws ParameterError also for a shell or a distance off the grid
 ///
 /// @code{.cpp}
 /// comminute::LogGrid grid(-6.0, 1.0, 351);

@@ -54,12 +54,22 @@ struct Ridge {
     }
 };
 
-/// Marginals over psi as an engine or a mixing handed them on, equal to the sums of a fabric's parts but for rounding.
-/// With them a fabric that is made again from its parts is the same to the last bit, and so is all that follows.
-struct CarriedMarginals {
-    std::vector<double> rows;       ///< (N) of the bins
-    std::vector<double> spread;     ///< (N) of the bins and of the ridges that spread over psi
-    std::vector<PointMass> points;  ///< of atoms and of the other ridges, fine to coarse
+/// All the numbers of a fabric, for a host that stores it. Fabric::from_parts makes the same fabric of them again, to the
+/// last bit, and so is all that follows.
+struct FabricParts {
+    LogGrid grid;
+    std::vector<double> probability;  ///< (N*N) mass in bins, row after row, [psi, psibar]
+    std::vector<Atom> atoms;          ///< exact masses on top of it
+    std::vector<Ridge> ridges;        ///< half-exact masses on top of both
+    std::optional<double>
+        settled_at;  ///< largest stress ratio under which the state is at rest; none: never loaded
+    Mean mean = Mean::arithmetic;
+    // The marginals over psi as an engine or a mixing handed them on. They equal the sums of the members above but for
+    // rounding, and the next solve or remixing starts from them, so that none sums the state again.
+    std::vector<double> rows;    ///< (N) mass by grainsize in bins
+    std::vector<double> spread;  ///< (N) the same with the ridges that spread over psi
+    std::vector<PointMass>
+        points;  ///< mass at the exact sizes of atoms and of the other ridges, fine to coarse
 };
 
 /// The grainsize fabric: shares of the mass by log grainsize psi and log neighbourhood grainsize psibar.
@@ -75,6 +85,7 @@ struct CarriedMarginals {
 /// comminute::Fabric fabric(grid, std::move(p));
 /// CHECK(fabric.grainsize()[3] == doctest::Approx(1.0 / 16.0));
 /// CHECK(fabric.cdf().back() == doctest::Approx(1.0));
+/// CHECK(comminute::Fabric::from_parts(fabric.parts()) == fabric);
 /// @endcode
 class COMMINUTE_API Fabric {
   public:
@@ -110,26 +121,19 @@ class COMMINUTE_API Fabric {
     /// where that moved any mass, since bins are not tested as points are.
     Fabric binned() const;
 
-    CarriedMarginals carried() const;
-    /// @throws ShapeError for other sizes, ParameterError for marginals that are not this fabric's (to 1e-9)
-    Fabric with_carried(CarriedMarginals marginals) const;
+    /// The numbers themselves, to be stored.
+    const FabricParts& parts() const { return *data_; }
+    /// The same fabric from its stored numbers.
+    /// @throws as the constructor; ShapeError for marginals of another size, ParameterError for marginals that are not
+    ///         those of the other members (to 1e-9)
+    static Fabric from_parts(FabricParts parts);
 
     friend bool operator==(const Fabric& a, const Fabric& b);
 
   private:
     friend class detail::FabricAccess;
-    struct Data {
-        LogGrid grid;
-        std::vector<double> probability;
-        std::vector<Atom> atoms;
-        std::vector<Ridge> ridges;
-        std::optional<double> settled_at;
-        Mean mean;
-        // Marginals over psi, carried along so that no solve or remixing sums the state again.
-        std::vector<double> rows;       // of `probability`
-        std::vector<double> spread;     // and of the ridges that spread over psi
-        std::vector<PointMass> points;  // of atoms and of the other ridges
-        std::vector<double> grainsize;  // of all
+    struct Data : FabricParts {
+        std::vector<double> grainsize;  // (N) `spread` with the points in their bins
     };
     explicit Fabric(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
 

@@ -5,18 +5,21 @@
 #include <vector>
 
 #include "comminute/export.hpp"
+#include "comminute/scheme.hpp"
 #include "comminute/view.hpp"
 
 namespace comminute {
 
 /// Weibull law of the size-reduction factor X, truncated to (0, 1] (Eq. 3); the default is Eq. 4.
 ///
-/// All fragment laws speak of R = ln X <= 0, the log reduction; a packet of log size psi goes to psi + R.
+/// All fragment laws speak of R = ln X <= 0, the log reduction; a packet of log size psi goes to psi + R. `quantile` is the
+/// inverse of `cdf`: the first R at which it reaches a share in (0, 1).
 ///
 /// @code{.cpp}
 /// comminute::WeibullFragments law;  // scale 1, shape 1
 /// CHECK(law.pdf(0.0) == doctest::Approx(std::exp(-1.0) / (1.0 - std::exp(-1.0))));
 /// CHECK(law.cdf(0.0) == 1.0);
+/// CHECK(law.cdf(law.quantile(0.25)) == doctest::Approx(0.25));
 /// @endcode
 struct COMMINUTE_API WeibullFragments {
     double scale = 1.0;  ///< lambda > 0
@@ -24,6 +27,7 @@ struct COMMINUTE_API WeibullFragments {
 
     double pdf(double r) const;
     double cdf(double r) const;
+    double quantile(double share) const;
     /// A length in r over which the density is smooth: quadratures take panels no longer than this.
     double smooth_length() const;
     void validate() const;
@@ -42,6 +46,7 @@ struct COMMINUTE_API PowerLawFragments {
 
     double pdf(double r) const;
     double cdf(double r) const;
+    double quantile(double share) const;
     double smooth_length() const;
     void validate() const;
     friend bool operator==(const PowerLawFragments& a, const PowerLawFragments& b) {
@@ -61,6 +66,7 @@ struct COMMINUTE_API LogNormalFragments {
 
     double pdf(double r) const;
     double cdf(double r) const;
+    double quantile(double share) const;
     double smooth_length() const;
     void validate() const;
     friend bool operator==(const LogNormalFragments& a, const LogNormalFragments& b) {
@@ -82,8 +88,9 @@ struct COMMINUTE_API TabulatedFragments {
 
     double pdf(double r) const;
     double cdf(double r) const;
+    double quantile(double share) const;
     double smooth_length() const;
-    /// Where the density jumps, in r; quadratures must not step over these.
+    /// Places in r at which the density jumps; quadratures must not step over these.
     std::vector<double> kinks() const;
     /// Exponent of the power law below the first point; 0 where there is none.
     double tail_slope() const;
@@ -95,30 +102,28 @@ struct COMMINUTE_API TabulatedFragments {
 
 using FragmentLaw = std::variant<WeibullFragments, PowerLawFragments, LogNormalFragments, TabulatedFragments>;
 
-/// How a law in r becomes a pmf in bins.
-enum class FragmentRule {
-    paper,         ///< f_m = P[-m h < R <= -(m-1) h]: every crush moves at least one bin (below Eq. 58)
-    conservative,  ///< finite volumes: mass uniform in its bin, shifted by R, lands by overlap; second order
-};
-
 /// One crush on the grid: the share of the mass that moves down by m bins.
 struct FragmentPmf {
-    std::vector<double> mass;   ///< (N) f_m, m = 0 .. N-1; f_0 = 0 under the paper's rule
+    std::vector<double> mass;   ///< (N) f_m, m = 0 .. N-1; f_0 = 0 under the paper's scheme
     std::vector<double> below;  ///< (N) sum of f_t over t >= m: from bin m, what ends in the fines bin
 };
 
+/// A law of R = ln X on a grid, as a pmf in bins.
+///
 /// @param spacing  bin width h > 0
 /// @param bins     N >= 1
+/// @param scheme   Scheme::conservative: finite volumes. Scheme::paper: f_m = P[-m h < R <= -(m-1) h]
 /// @throws ParameterError for a law or a size outside its range
 ///
 /// @code{.cpp}
 /// auto f = comminute::fragment_pmf(comminute::PowerLawFragments{}, std::log(2.0), 8,
-///                                  comminute::FragmentRule::paper);
+///                                  comminute::Scheme::paper);
 /// CHECK(f.mass[0] == 0.0);
 /// CHECK(f.mass[1] == doctest::Approx(0.5));   // uniform X: half of the fragments within one halving
 /// CHECK(f.below[2] == doctest::Approx(0.5));
 /// @endcode
-COMMINUTE_API FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins, FragmentRule rule);
+COMMINUTE_API FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins,
+                                       Scheme scheme = Scheme::conservative);
 
 /// The tail of a fragment pmf as a sum of exponentials: f_m = sum_a coefficient[a] exp(-decay[a] (m - head)) for m > head
 /// >= 0.
@@ -134,17 +139,16 @@ struct ExponentialSum {
 
 /// The shortest sum that meets `pmf` to 2e-14 of its largest entry and to 1e-15 of all that leaves a bin, checked against
 /// every entry.
-/// @param pmf  fragment_pmf of the same law, spacing and rule
+/// @param pmf  fragment_pmf of the same law, spacing and scheme
 ///
 /// @code{.cpp}
 /// const double h = 0.01;
-/// const auto rule = comminute::FragmentRule::conservative;
-/// auto f = comminute::fragment_pmf(comminute::WeibullFragments{}, h, 700, rule);
-/// auto sum = comminute::exponential_sum(comminute::WeibullFragments{}, h, f, rule);
+/// auto f = comminute::fragment_pmf(comminute::WeibullFragments{}, h, 700);
+/// auto sum = comminute::exponential_sum(comminute::WeibullFragments{}, h, f);
 /// CHECK(sum.coefficient.size() <= 14);
 /// CHECK(sum.error < 2e-14);
 /// @endcode
 COMMINUTE_API ExponentialSum exponential_sum(const FragmentLaw& law, double spacing, const FragmentPmf& pmf,
-                                             FragmentRule rule);
+                                             Scheme scheme = Scheme::conservative);
 
 }  // namespace comminute

@@ -13,11 +13,15 @@
 namespace comminute {
 
 /// A few exact sizes: monodisperse or gap-graded packings.
+///
+/// In every law `finer` is the cdf F and `quantile` its inverse inf{d : F(d) >= share}, share in (0, 1]: on a plateau its
+/// lower end, at 1 the largest size.
 struct COMMINUTE_API PointMasses {
     std::vector<double> size;   ///< > 0, ascending
     std::vector<double> share;  ///< shares of the mass, each > 0, sum 1
 
     double finer(double size_at) const;
+    double quantile(double share_finer) const;
     double smallest_size() const { return size.front(); }
     double largest_size() const { return size.back(); }
     friend bool operator==(const PointMasses& a, const PointMasses& b) {
@@ -33,6 +37,7 @@ struct COMMINUTE_API PowerLawGrading {
     double largest;
 
     double finer(double size_at) const;
+    double quantile(double share_finer) const;
     double smallest_size() const { return smallest; }
     double largest_size() const { return largest; }
     friend bool operator==(const PowerLawGrading& a, const PowerLawGrading& b) {
@@ -48,6 +53,7 @@ struct COMMINUTE_API LogNormalGrading {
     double largest;
 
     double finer(double size_at) const;
+    double quantile(double share_finer) const;
     double smallest_size() const { return 0.0; }
     double largest_size() const { return largest; }
     friend bool operator==(const LogNormalGrading& a, const LogNormalGrading& b) {
@@ -62,6 +68,7 @@ struct COMMINUTE_API RosinRammlerGrading {
     double largest;
 
     double finer(double size_at) const;
+    double quantile(double share_finer) const;
     double smallest_size() const { return 0.0; }
     double largest_size() const { return largest; }
     friend bool operator==(const RosinRammlerGrading& a, const RosinRammlerGrading& b) {
@@ -76,6 +83,7 @@ struct COMMINUTE_API SieveCurve {
     double tail_slope = 0.0;         ///< > 0 where finer_than[0] > 0
 
     double finer(double size_at) const;
+    double quantile(double share_finer) const;
     double smallest_size() const { return finer_than.front() > 0.0 ? 0.0 : size.front(); }
     double largest_size() const { return size.back(); }
     friend bool operator==(const SieveCurve& a, const SieveCurve& b) {
@@ -90,7 +98,7 @@ struct COMMINUTE_API CurvePoints {
     double tail_slope = 0.0;         ///< below the finest: F = F_1 (d / d_1)^tail_slope, where F_1 > 0
 
     /// inf{d : F(d) >= share}, linear in ln d between points; below the finest along the tail, where there is one.
-    double first_at_least(double share) const;
+    double quantile(double share) const;
 };
 
 /// Curve of a cdf at the upper edges of a grid's bins, up to the first point that holds all. The share in the fines bin
@@ -116,14 +124,16 @@ using GradingLaw =
 struct COMMINUTE_API Grading {
     GradingLaw law;
     std::string unit;                ///< unit of the sizes, as text ("mm"); empty where sizes are relative
-    std::vector<std::string> notes;  ///< assumptions made in making it, in plain words
+    std::vector<std::string> notes;  ///< assumptions made on the way, in plain words
 
     /// Mass fraction of grains no larger than `size`. @throws ParameterError unless size > 0
     double finer(double size) const;
+    /// inf{d : F(d) >= share}, the inverse of `finer`; below the finest sieve along the tail. @throws ParameterError
+    /// unless 0 < share <= 1
+    double quantile(double share) const;
     /// Largest size; no grain is larger.
     double largest() const;
-    /// Size below which a share `tail` of the mass lies, 0 for the smallest size (0 if a tail runs on for
-    /// ever).
+    /// Size that a share `tail` of the mass is finer than; of 0 the smallest size (0 if a tail runs on for ever).
     double smallest(double tail = 0.0) const;
     /// (N) mass by bin; what is finer than the grid goes to the fines bin. Sums to 1.
     /// @throws ParameterError if a grain is larger than the grid's last edge

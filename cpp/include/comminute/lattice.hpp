@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -33,6 +34,8 @@ struct LatticeOptions {
 struct LatticeCell {
     double psi;   ///< ln(size / reference size)
     double size;  ///< exp(psi), so that the mean of two neighbours needs no exponential
+
+    static LatticeCell of(double psi) { return {psi, std::exp(psi)}; }
     friend bool operator==(const LatticeCell& a, const LatticeCell& b) {
         return a.psi == b.psi && a.size == b.size;
     }

@@ -8,7 +8,7 @@
 
 namespace comminute {
 
-/// What the grains are: strength, fabric and fragments. Defaults are the paper's (Section 2, Fig. 3).
+/// Strength, fabric and fragments of the grains. Defaults are the paper's (Section 2, Fig. 3).
 ///
 /// A plain struct: fill the fields, and whatever takes it calls `validate()`.
 ///

@@ -8,29 +8,34 @@
 #include "comminute/export.hpp"
 #include "comminute/fabric.hpp"
 #include "comminute/material.hpp"
+#include "comminute/scheme.hpp"
 
 namespace comminute {
 
-/// How the continuum becomes bins.
-enum class Scheme {
-    conservative,  ///< finite-volume fragments, cells move by the share of their area in the zone; second order
-    paper,         ///< the paper's fragments, cells move whole by the test of their centre
-};
-
-/// How a solve adds up the fragments.
+/// Ways in which a solve adds up the fragments.
 enum class SolvePath {
-    automatic,  ///< whichever of the next two costs less for this law and this zone
+    automatic,  ///< the cheaper of the next two for this law and this zone
     direct,     ///< bin by bin along the zone's width
-    sums,       ///< running sums of the law's exponential sum, for its tail beyond `head` bins
-    blend,      ///< only reported: what a loading rate above 0 takes, bin by bin over the whole state
+    sums,       ///< running sums of the law's exponential sum, for reductions beyond its head
+    blend,      ///< only reported: bin by bin over the whole state, the path of a loading rate above 0
     none,       ///< only reported: nothing had to move
 };
 
-/// What one solve did, and how. Masses are shares of the whole.
+/// Choices of a QuasiStatic.
+struct QuasiStaticOptions {
+    Scheme scheme = Scheme::conservative;  ///< of the fragments and of the zones
+    double loading_rate = 0.0;             ///< in [0, 1], share of the fast kernel (Eq. 67)
+    SolvePath path = SolvePath::automatic;
+    friend bool operator==(const QuasiStaticOptions& a, const QuasiStaticOptions& b) {
+        return a.scheme == b.scheme && a.loading_rate == b.loading_rate && a.path == b.path;
+    }
+};
+
+/// Report of one solve: its path and its crushed mass. Masses are shares of the whole.
 struct SolveReport {
     SolvePath path = SolvePath::none;
-    Index terms = 0;         ///< K, of the exponential sum; 0 on a path that takes none
-    Index head = 0;          ///< reductions of up to so many bins were added one by one
+    Index terms = 0;         ///< K, number of terms of the exponential sum; 0 on a path without one
+    Index head = 0;          ///< H, largest reduction in bins that was added without the sum
     double fit_error = 0.0;  ///< largest error of the sum, as a share of the largest fragment bin
     double crushed = 0.0;    ///< mass crushed in psi, every crush counted, those that stay in their bin too
     double crushed_neighbour = 0.0;  ///< the same in psibar
@@ -39,25 +44,26 @@ struct SolveReport {
 /// Grading after a solve, without the state.
 struct Marginal {
     std::vector<double> grainsize;  ///< (N) mass by bin, point masses in theirs
-    std::vector<PointMass> points;  ///< what of it is still at an exact size, fine to coarse
+    std::vector<PointMass> points;  ///< the part of it that is still at exact sizes, fine to coarse
     SolveReport report;
 };
 
 /// The state to which infinitely slow loading leads, in one sweep from coarse to fine.
 ///
-/// Under the slow rule (Eq. 63) what a packet of mass does depends on its place alone; the load only decides whether
+/// Under the slow rule (Eq. 63) the move of a packet of mass depends on its place alone; the load only decides whether
 /// it must move, and zones only grow. Every packet stops at the first place outside the zone of the largest load so
 /// far, whatever the steps between: one solve equals any slow path to the same load. That holds for the blend
 /// (Eq. 67) at a constant rate too, and not for the exact kernel (Eq. 59), which has no solve.
 ///
 /// Costs O(K N W) for a grading, W the zone's width in bins and K the terms of the law's exponential sum, or O(N W^2)
 /// where that is less; a state costs N^2 more. A loading rate above 0 costs O(N^3). Point masses of a Fabric stay
-/// exact under the conservative scheme; the paper's scheme puts them on bin centres.
+/// exact under the conservative scheme; the paper's scheme puts them on bin centres. The derivation stands in
+/// docs/theory/one_sweep.md, section 2.
 ///
 /// Begin-state in, end-state out. One object per thread; a copy has a workspace of its own and costs no set-up.
 /// Many states at once: BatchSolver.
 ///
-/// @throws ParameterError for a bad material or a loading rate outside [0, 1]
+/// @throws ParameterError for a bad material, a loading rate outside [0, 1], or a path that is only reported
 ///
 /// @code{.cpp}
 /// comminute::LogGrid grid(-8.0, 0.0, 201);
@@ -71,8 +77,7 @@ struct Marginal {
 /// @endcode
 class COMMINUTE_API QuasiStatic {
   public:
-    QuasiStatic(const LogGrid& grid, const Material& material, Scheme scheme = Scheme::conservative,
-                double loading_rate = 0.0, SolvePath path = SolvePath::automatic);
+    QuasiStatic(const LogGrid& grid, const Material& material, const QuasiStaticOptions& options = {});
     ~QuasiStatic();
     QuasiStatic(const QuasiStatic& other);
     QuasiStatic& operator=(const QuasiStatic& other);
@@ -81,27 +86,26 @@ class COMMINUTE_API QuasiStatic {
 
     const LogGrid& grid() const;
     const Material& material() const;
-    Scheme scheme() const;
-    double loading_rate() const;
-    SolvePath path() const;
+    const QuasiStaticOptions& options() const;
 
     /// @param state  on this grid
     /// @return the state at rest under the larger of `stress_ratio` and `state.settled_at()`
     /// @throws ParameterError for a bad load or a state on another grid
     Fabric solve(const Fabric& state, double stress_ratio, SolveReport* report = nullptr);
 
-    /// The grading alone. Without a loading rate it reads the zone's band of the state and no more.
+    /// The grading at rest, without the state. Without a loading rate it reads only the zone's band of the state.
     Marginal marginal(const Fabric& state, double stress_ratio);
 
-    /// The same for a bare array, without point masses.
+    /// Solves for a bare array, without point masses.
     /// @param state       (N, N), entries in the zone must be finite
-    /// @param settled_at  load under which it is at rest; none: never loaded
-    /// @param out         (N, N) state after it; may be `state` itself
+    /// @param settled_at  load under which it is at rest; none for a state that was never loaded
+    /// @param out         (N, N) state at rest; may be `state` itself
     /// @throws ShapeError for other shapes or a partial overlap; ParameterError for a bad load, or an entry in the zone
-    ///         that is not finite; what `out` holds is then of no use
+    ///         that is not finite, and the numbers in `out` then have no meaning
     SolveReport solve(MatrixView<const double> state, double stress_ratio, std::optional<double> settled_at,
                       MatrixView<double> out);
-    /// @param grainsize  (N) mass by grainsize after it
+    /// The grading at rest for a bare array.
+    /// @param grainsize  (N) out: mass by grainsize
     SolveReport marginal(MatrixView<const double> state, double stress_ratio,
                          std::optional<double> settled_at, VectorView<double> grainsize);
 

@@ -9,16 +9,16 @@
 
 namespace comminute {
 
-/// A state is at rest under a load once the mass inside the zone has fallen below this share of the whole.
+/// Share of the whole mass: a state is at rest under a load once less than this lies inside the zone.
 inline constexpr double rest_tolerance = 1e-18;
 
 /// Repeats an engine's step under one load until the state is at rest, or `steps` times.
 ///
 /// @param state   (N, N), updated in place
-/// @param steps   how many; 0 means until at rest (see rest_tolerance)
-/// @param go_on   asked before each step; if it answers false the run stops there, with a state that is valid
-/// @return        sums over the steps; `active` is what the last step found inside the zone
-/// @throws        as step(); ParameterError for a negative number of steps
+/// @param steps   number of steps; 0 repeats until the state is at rest (see rest_tolerance)
+/// @param go_on   called before each step; if it returns false the run stops there, with a valid state
+/// @return        sums over the steps; `active` is the mass that the last step found inside the zone
+/// @throws ParameterError for a negative number of steps, and all that the engine's step() throws
 ///
 /// @code{.cpp}
 /// comminute::LogGrid grid(-12.0, 0.0, 128);

@@ -8,14 +8,23 @@
 
 namespace comminute {
 
+/// Choices of a SlowUpdate.
+struct SlowUpdateOptions {
+    Scheme scheme = Scheme::conservative;  ///< of the fragments; zones are tested at bin centres under either
+    friend bool operator==(const SlowUpdateOptions& a, const SlowUpdateOptions& b) {
+        return a.scheme == b.scheme;
+    }
+};
+
 /// One step of the slow kernel (Eq. 63) that looks only at the band of the zone and spreads only the cells in
 /// it that hold mass, each along its row or column (Section 8.2). Equal to FullConvolution with the slow
 /// kernel.
 ///
 /// Costs one look at the band plus O(N) for each active cell: where the state was at rest and the load has risen a
-/// little, those are the O(N) cells at the zone's boundary. Where so many cells hold mass that running sums cost less,
-/// O(K N^2), and the fragments' law has them, it takes these; the report's `terms` says so. Never makes a negative
-/// entry. Owns its workspace (up to one state); one object per thread. A step allocates nothing.
+/// little, those are the O(N) cells at the zone's boundary. Where so many cells hold mass that running sums, O(K N^2),
+/// cost less, and the fragments' law has them, the step uses these; the report's `terms` is then K. Never makes a negative
+/// entry. Owns its workspace (up to one state); one object per thread, and a copy has a workspace of its own. A step
+/// allocates nothing.
 ///
 /// @throws ParameterError for a bad material
 ///
@@ -30,7 +39,7 @@ namespace comminute {
 /// @endcode
 class COMMINUTE_API SlowUpdate {
   public:
-    SlowUpdate(const LogGrid& grid, const Material& material, FragmentRule rule = FragmentRule::paper);
+    SlowUpdate(const LogGrid& grid, const Material& material, const SlowUpdateOptions& options = {});
     ~SlowUpdate();
     SlowUpdate(const SlowUpdate& other);
     SlowUpdate& operator=(const SlowUpdate& other);
@@ -39,11 +48,14 @@ class COMMINUTE_API SlowUpdate {
 
     /// @param p    (N, N) state before the step; active entries must be finite
     /// @param out  (N, N) state after it; may be p itself, and is then updated in place
-    /// @throws ShapeError for other shapes or a partial overlap, ParameterError for a bad load or an active
-    /// entry
-    ///         that is not finite; `out` is then untouched
+    /// @throws ShapeError for other shapes or a partial overlap, ParameterError for a bad load or an active entry that
+    ///         is not finite; `out` is then untouched
     StepReport step(MatrixView<const double> p, double stress_ratio, MatrixView<double> out);
 
+    const LogGrid& grid() const;
+    const Material& material() const;
+    const SlowUpdateOptions& options() const;
+    /// The slow kernel of these options.
     const Kernel& kernel() const;
 
   private:

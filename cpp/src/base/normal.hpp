@@ -11,4 +11,7 @@ inline double normal_cdf(double z) {
     return 0.5 * std::erfc(-z / std::numbers::sqrt2);
 }
 
+/// z with Phi(z) = p, p in (0, 1), to rounding also far down the tail.
+double normal_quantile(double p);
+
 }  // namespace comminute::detail

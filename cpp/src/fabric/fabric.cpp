@@ -49,7 +49,7 @@ double checked_total(const LogGrid& grid, const std::vector<Ridge>& ridges) {
             if (!is_share(ridge.mass[i])) refuse_share(ridge.mass[i], {entry("ridges", r), entry("mass", i)});
             total += ridge.mass[i];
         }
-        const double in_bin = ridge.mass[static_cast<std::size_t>(grid.bin_of(ridge.at))];
+        const double in_bin = ridge.mass.data()[grid.bin_of(ridge.at)];
         if (ridge.above >= 0.0 && ridge.above <= in_bin) continue;
         throw ParameterError(
             {.parameter = "above",
@@ -61,11 +61,8 @@ double checked_total(const LogGrid& grid, const std::vector<Ridge>& ridges) {
     return total;
 }
 
-}  // namespace
-
-Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::vector<Atom> atoms,
-               std::optional<double> settled_at, Mean mean, std::vector<Ridge> ridges) {
-    const Index bins = grid.bins();
+// (N) marginal over psi of the mass in bins, every entry of which is looked at.
+Array<double> checked_rows(const std::vector<double>& probability, Index bins) {
     if (static_cast<Index>(probability.size()) != bins * bins) {
         throw ShapeError({.parameter = "probability",
                           .value = std::to_string(probability.size()),
@@ -73,29 +70,98 @@ Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::vector
                           .finding = "has " + std::to_string(probability.size()) + " entries",
                           .rule = "the grid needs shape " + shape_text(bins, bins)});
     }
-    if (settled_at) require_stress_ratio(*settled_at);
-    std::vector<double> rows(static_cast<std::size_t>(bins));
+    Array<double> rows(bins);
     for (Index i = 0; i < bins; ++i) {
         const ConstLine row(probability.data() + i * bins, bins);
         for (Index j = 0; j < bins; ++j) {
             if (!is_share(row[j])) refuse_share(row[j], {entry("probability", {i, j})});
         }
-        rows[static_cast<std::size_t>(i)] = row.sum();
+        rows[i] = row.sum();
     }
-    double total = std::accumulate(rows.begin(), rows.end(), 0.0);
-    total += checked_total(grid, atoms) + checked_total(grid, ridges);
-    require_whole(total,
-                  atoms.empty() && ridges.empty() ? "probability" : "probability, atoms and ridges together");
+    return rows;
+}
 
-    std::vector<double> spread = rows;
-    for (const Ridge& ridge : ridges) {
-        if (ridge.exact == Axis::neighbour) Line(spread.data(), bins) += ConstLine(ridge.mass.data(), bins);
+// Fills in the marginals after a look at all the rest.
+FabricParts checked(FabricParts parts) {
+    const Index bins = parts.grid.bins();
+    if (parts.settled_at) require_stress_ratio(*parts.settled_at);
+    Array<double> rows = checked_rows(parts.probability, bins);
+    double total = std::accumulate(rows.begin(), rows.end(), 0.0);
+    total += checked_total(parts.grid, parts.atoms) + checked_total(parts.grid, parts.ridges);
+    require_whole(total, parts.atoms.empty() && parts.ridges.empty()
+                             ? "probability"
+                             : "probability, atoms and ridges together");
+    parts.rows = rows.vector();
+    parts.spread = std::move(rows).vector();
+    for (const Ridge& ridge : parts.ridges) {
+        if (ridge.exact == Axis::neighbour)
+            Line(parts.spread.data(), bins) += ConstLine(ridge.mass.data(), bins);
     }
-    std::vector<PointMass> points = exact_sizes(atoms, ridges);
-    std::vector<double> grainsize = with_points(grid, spread, points);
-    data_ = std::make_shared<const Data>(Data{grid, std::move(probability), std::move(atoms),
-                                              std::move(ridges), settled_at, mean, std::move(rows),
-                                              std::move(spread), std::move(points), std::move(grainsize)});
+    parts.points = exact_sizes(parts.atoms, parts.ridges);
+    return parts;
+}
+
+void require_close(double given, double own, const char* list, std::size_t index, const char* field) {
+    if (std::abs(given - own) <= 1e-9) return;
+    throw ParameterError(
+        {.parameter = field,
+         .value = text(given),
+         .number = given,
+         .rule = "the fabric has " + text(own) + " there, and takes back the marginals that it gave alone",
+         .place = {entry("marginals"), entry(list, index)}});
+}
+
+void require_marginals_of(const FabricParts& stored, const FabricParts& own) {
+    if (stored.rows.size() != own.rows.size() || stored.spread.size() != own.rows.size() ||
+        stored.points.size() != own.points.size()) {
+        throw ShapeError({.parameter = "marginals",
+                          .subject = "the stored marginals",
+                          .finding = "have " + std::to_string(stored.rows.size()) + " and " +
+                                     std::to_string(stored.spread.size()) + " bins and " +
+                                     std::to_string(stored.points.size()) + " points",
+                          .rule = "the fabric has " + std::to_string(own.rows.size()) + " bins and " +
+                                  std::to_string(own.points.size()) + " points"});
+    }
+    for (std::size_t i = 0; i < own.rows.size(); ++i) {
+        require_close(stored.rows[i], own.rows[i], "rows", i, "rows");
+        require_close(stored.spread[i], own.spread[i], "spread", i, "spread");
+    }
+    for (std::size_t a = 0; a < own.points.size(); ++a) {
+        require_close(stored.points[a].psi, own.points[a].psi, "points", a, "psi");
+        require_close(stored.points[a].mass, own.points[a].mass, "points", a, "mass");
+    }
+}
+
+}  // namespace
+
+Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::vector<Atom> atoms,
+               std::optional<double> settled_at, Mean mean, std::vector<Ridge> ridges)
+    : Fabric(FabricAccess::make(checked({grid,
+                                         std::move(probability),
+                                         std::move(atoms),
+                                         std::move(ridges),
+                                         settled_at,
+                                         mean,
+                                         {},
+                                         {},
+                                         {}}))) {}
+
+Fabric Fabric::from_parts(FabricParts parts) {
+    FabricParts stored{parts.grid,
+                       {},
+                       {},
+                       {},
+                       {},
+                       parts.mean,
+                       std::move(parts.rows),
+                       std::move(parts.spread),
+                       std::move(parts.points)};
+    FabricParts whole = checked(std::move(parts));
+    require_marginals_of(stored, whole);
+    whole.rows = std::move(stored.rows);
+    whole.spread = std::move(stored.spread);
+    whole.points = std::move(stored.points);
+    return FabricAccess::make(std::move(whole));
 }
 
 MatrixView<const double> Fabric::probability() const {
@@ -104,18 +170,18 @@ MatrixView<const double> Fabric::probability() const {
 
 std::vector<double> Fabric::neighbourhood() const {
     const Index bins = grid().bins();
-    std::vector<double> pmf(static_cast<std::size_t>(bins), 0.0);
+    Array<double> pmf(bins);
     for (Index i = 0; i < bins; ++i) Line(pmf.data(), bins) += ConstLine(probability().row(i), bins);
-    for (const Atom& atom : atoms()) pmf[static_cast<std::size_t>(grid().bin_of(atom.psibar))] += atom.mass;
+    for (const Atom& atom : atoms()) pmf[grid().bin_of(atom.psibar)] += atom.mass;
     for (const Ridge& ridge : ridges()) {
         const ConstLine mass(ridge.mass.data(), bins);
         if (ridge.exact == Axis::grain) {
             Line(pmf.data(), bins) += mass;
         } else {
-            pmf[static_cast<std::size_t>(grid().bin_of(ridge.at))] += mass.sum();
+            pmf[grid().bin_of(ridge.at)] += mass.sum();
         }
     }
-    return pmf;
+    return std::move(pmf).vector();
 }
 
 std::vector<double> Fabric::cdf() const {
@@ -128,63 +194,17 @@ Fabric Fabric::binned() const {
     if (atoms().empty() && ridges().empty()) return *this;
     const Index bins = grid().bins();
     std::vector<double> p = data_->probability;
-    const auto put = [&](Index i, Index j, double mass) {
-        p[static_cast<std::size_t>(i * bins + j)] += mass;
-    };
+    const MatrixView<double> cells(p.data(), bins, bins);
+    const auto put = [&](Index i, Index j, double mass) { cells(i, j) += mass; };
     for (const Atom& atom : atoms()) put(grid().bin_of(atom.psi), grid().bin_of(atom.psibar), atom.mass);
     for (const Ridge& ridge : ridges()) {
         const Index at = grid().bin_of(ridge.at);
         for (Index i = 0; i < bins; ++i) {
-            const double mass = ridge.mass[static_cast<std::size_t>(i)];
-            ridge.exact == Axis::grain ? put(at, i, mass) : put(i, at, mass);
+            ridge.exact == Axis::grain ? put(at, i, ridge.mass.data()[i]) : put(i, at, ridge.mass.data()[i]);
         }
     }
     const std::vector<double>& marginal = data_->grainsize;
-    return FabricAccess::make(
-        {grid(), std::move(p), {}, {}, std::nullopt, mean(), marginal, marginal, {}, marginal});
-}
-
-CarriedMarginals Fabric::carried() const {
-    return {data_->rows, data_->spread, data_->points};
-}
-
-Fabric Fabric::with_carried(CarriedMarginals marginals) const {
-    const auto require_close = [](double given, double own, const char* list, std::size_t index,
-                                  const char* field) {
-        if (std::abs(given - own) <= 1e-9) return;
-        Fault fault{
-            .parameter = field,
-            .value = text(given),
-            .number = given,
-            .rule = "the fabric has " + text(own) + " there, and takes back what `carried` gave of it alone",
-            .place = {entry("marginals"), entry(list, index)}};
-        throw ParameterError(fault);
-    };
-    const std::size_t bins = data_->rows.size();
-    if (marginals.rows.size() != bins || marginals.spread.size() != bins ||
-        marginals.points.size() != data_->points.size()) {
-        throw ShapeError({.parameter = "marginals",
-                          .subject = "the carried marginals",
-                          .finding = "have " + std::to_string(marginals.rows.size()) + " and " +
-                                     std::to_string(marginals.spread.size()) + " bins and " +
-                                     std::to_string(marginals.points.size()) + " points",
-                          .rule = "the fabric has " + std::to_string(bins) + " bins and " +
-                                  std::to_string(data_->points.size()) + " points"});
-    }
-    for (std::size_t i = 0; i < bins; ++i) {
-        require_close(marginals.rows[i], data_->rows[i], "rows", i, "rows");
-        require_close(marginals.spread[i], data_->spread[i], "spread", i, "spread");
-    }
-    for (std::size_t a = 0; a < marginals.points.size(); ++a) {
-        require_close(marginals.points[a].psi, data_->points[a].psi, "points", a, "psi");
-        require_close(marginals.points[a].mass, data_->points[a].mass, "points", a, "mass");
-    }
-    Data data = *data_;
-    data.rows = std::move(marginals.rows);
-    data.spread = std::move(marginals.spread);
-    data.points = std::move(marginals.points);
-    data.grainsize = with_points(data.grid, data.spread, data.points);
-    return Fabric(std::make_shared<const Data>(std::move(data)));
+    return FabricAccess::make({grid(), std::move(p), {}, {}, std::nullopt, mean(), marginal, marginal, {}});
 }
 
 bool operator==(const Fabric& a, const Fabric& b) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace comminute::detail {
 
@@ -26,9 +27,14 @@ std::vector<PointMass> exact_sizes(const std::vector<Atom>& atoms, const std::ve
 
 std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread,
                                 const std::vector<PointMass>& points) {
-    for (const PointMass& point : points)
-        spread[static_cast<std::size_t>(grid.bin_of(point.psi))] += point.mass;
+    const VectorView<double> in_bins(spread);
+    for (const PointMass& point : points) in_bins[grid.bin_of(point.psi)] += point.mass;
     return spread;
+}
+
+Fabric FabricAccess::make(FabricParts parts) {
+    std::vector<double> grainsize = with_points(parts.grid, parts.spread, parts.points);
+    return Fabric(std::make_shared<const Fabric::Data>(Fabric::Data{std::move(parts), std::move(grainsize)}));
 }
 
 }  // namespace comminute::detail

@@ -39,9 +39,8 @@ Shared between_centres(const LogGrid& grid, double psi, Mean mean) {
     return {lower, std::clamp(share, 0.0, 1.0)};
 }
 
-// Where the mean of two neighbours d bins apart lies: `bins` whole bins and a bit below the larger one's
-// centre, with `upper` the share given to the upper of the two centres next to it. The same for every pair,
-// since bins are even.
+// Place of the mean of two neighbours d bins apart: `bins` whole bins and a bit below the larger one's centre, with
+// `upper` the share given to the upper of the two centres next to it. It is the same for every pair, since bins are even.
 struct MeanPlace {
     Index bins;
     double upper;
@@ -60,15 +59,15 @@ MeanPlace place_of_mean(double h, Index d, Mean mean) {
 }
 
 // Neighbourhoods made of one grain of exact size and one from a bin.
-void add_mixed_pairs(const LogGrid& grid, const std::vector<double>& spread,
-                     const std::vector<PointMass>& points, Mean mean, std::vector<double>& pmf) {
+void add_mixed_pairs(const LogGrid& grid, VectorView<const double> spread,
+                     const std::vector<PointMass>& points, Mean mean, VectorView<double> pmf) {
     for (const PointMass& point : points) {
         for (Index i = 0; i < grid.bins(); ++i) {
-            const double weight = 2.0 * point.mass * spread[static_cast<std::size_t>(i)];
+            const double weight = 2.0 * point.mass * spread[i];
             if (weight == 0.0) continue;
             const Shared place = between_centres(grid, mean_of(point.psi, grid.centre(i), mean), mean);
-            pmf[static_cast<std::size_t>(place.lower)] += (1.0 - place.upper_share) * weight;
-            pmf[static_cast<std::size_t>(place.lower) + 1] += place.upper_share * weight;
+            pmf[place.lower] += (1.0 - place.upper_share) * weight;
+            pmf[place.lower + 1] += place.upper_share * weight;
         }
     }
 }
@@ -104,7 +103,7 @@ std::vector<PointMass> resolved(const LogGrid& grid, const std::vector<PointMass
 std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const double> grainsize, Mean mean) {
     const Index bins = grid.bins();
     require_bins(grainsize.size(), bins, entry("grainsize"));
-    std::vector<double> pmf(static_cast<std::size_t>(bins), 0.0);
+    Array<double> pmf(bins);
     for (Index d = 0; d < bins; ++d) {
         const MeanPlace place = place_of_mean(grid.spacing(), d, mean);
         const double ways = d == 0 ? 1.0 : 2.0;
@@ -114,7 +113,7 @@ std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const doub
         Line(pmf.data() + d - place.bins, pairs) += place.upper * weight;
         if (place.upper < 1.0) Line(pmf.data() + d - place.bins - 1, pairs) += (1.0 - place.upper) * weight;
     }
-    return pmf;
+    return std::move(pmf).vector();
 }
 
 Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mean,
@@ -147,37 +146,36 @@ Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mea
     const ConstLine in_bins(neighbours.data(), bins);
     const ConstLine grains(grainsize.data(), bins);
 
-    FabricAccess::Data data{grid, {}, {}, {}, std::nullopt, mean, {}, grainsize, points, {}};
-    data.probability.resize(static_cast<std::size_t>(bins * bins));
-    for (Index i = 0; i < bins; ++i) Line(data.probability.data() + i * bins, bins) = grains[i] * in_bins;
+    Array<double> probability(bins * bins);
+    for (Index i = 0; i < bins; ++i) Line(probability.data() + i * bins, bins) = grains[i] * in_bins;
+    Array<double> rows(bins);
+    Line(rows.data(), bins) =
+        points.empty() ? Eigen::ArrayXd(grains) : Eigen::ArrayXd(in_bins.sum() * grains);
+    FabricParts parts{grid, std::move(probability).vector(), {},        {},    std::nullopt,
+                      mean, std::move(rows).vector(),        grainsize, points};
     const auto add_ridge = [&](Axis exact, double at, const ConstLine& others, double share) {
         if ((others == 0.0).all()) return;
-        Ridge ridge{exact, at, std::vector<double>(static_cast<std::size_t>(bins)), 0.0};
-        Line(ridge.mass.data(), bins) = share * others;
+        Array<double> mass(bins);
+        Line(mass.data(), bins) = share * others;
         const Index own = grid.bin_of(at);
-        ridge.above = std::clamp((grid.edge(own + 1) - at) / grid.spacing(), 0.0, 1.0) *
-                      ridge.mass[static_cast<std::size_t>(own)];
-        data.ridges.push_back(std::move(ridge));
+        const double above = std::clamp((grid.edge(own + 1) - at) / grid.spacing(), 0.0, 1.0) * mass[own];
+        parts.ridges.push_back({exact, at, std::move(mass).vector(), above});
     };
     for (const PointMass& point : points) {
         for (const PointMass& neighbour : exact_neighbours) {
-            data.atoms.push_back({point.psi, neighbour.psi, point.mass * neighbour.mass});
+            parts.atoms.push_back({point.psi, neighbour.psi, point.mass * neighbour.mass});
         }
         add_ridge(Axis::grain, point.psi, in_bins, point.mass);
     }
     for (const PointMass& neighbour : exact_neighbours) {
         add_ridge(Axis::neighbour, neighbour.psi, grains, neighbour.mass);
     }
-    data.rows.resize(static_cast<std::size_t>(bins));
-    Line(data.rows.data(), bins) =
-        points.empty() ? Eigen::ArrayXd(grains) : Eigen::ArrayXd(in_bins.sum() * grains);
-    data.grainsize = with_points(grid, grainsize, points);
-    return FabricAccess::make(std::move(data));
+    return FabricAccess::make(std::move(parts));
 }
 
 // The marginals are handed on, not summed anew: remixing a mixed fabric gives the same bits.
 Fabric remix(const Fabric& fabric) {
-    return mixed_fabric(fabric.grid(), FabricAccess::spread(fabric), fabric.mean(), fabric.points());
+    return mixed_fabric(fabric.grid(), fabric.parts().spread, fabric.mean(), fabric.points());
 }
 
 }  // namespace comminute

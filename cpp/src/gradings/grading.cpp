@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
-#include "base/normal.hpp"
+#include "base/arrays.hpp"
 #include "comminute/criterion.hpp"
 #include "comminute/error.hpp"
 
@@ -20,14 +20,6 @@ void require_size(const char* parameter, double value) {
     require(value > 0.0 && std::isfinite(value), parameter, value, "greater than 0 and finite");
 }
 
-// x -> (e^{a x} - 1) / (e^{a} - 1) without cancellation, x in [0, 1]; a = 0 gives x.
-double exponential_ramp(double a, double x) {
-    if (std::abs(a) < 1e-12) return x;
-    // for a > 0 both terms are written with decaying exponentials, which cannot overflow
-    return a > 0.0 ? std::exp(a * (x - 1.0)) * std::expm1(-a * x) / std::expm1(-a)
-                   : std::expm1(a * x) / std::expm1(a);
-}
-
 void require_ordered(double smallest, double largest) {
     if (smallest < largest) return;
     throw ParameterError({.parameter = "smallest",
@@ -39,42 +31,6 @@ void require_ordered(double smallest, double largest) {
 
 }  // namespace
 
-double PointMasses::finer(double size_at) const {
-    double sum = 0.0;
-    for (std::size_t q = 0; q < size.size() && size[q] <= size_at; ++q) sum += share[q];
-    return size_at >= size.back() ? 1.0 : sum;
-}
-
-double PowerLawGrading::finer(double size_at) const {
-    if (size_at <= smallest) return 0.0;
-    if (size_at >= largest) return 1.0;
-    if (smallest == 0.0) return std::pow(size_at / largest, 3.0 - fractal_dimension);
-    const double range = std::log(largest / smallest);
-    return exponential_ramp((3.0 - fractal_dimension) * range, std::log(size_at / smallest) / range);
-}
-
-double LogNormalGrading::finer(double size_at) const {
-    if (size_at >= largest) return 1.0;
-    return normal_cdf(std::log(size_at / median) / sd_log) / normal_cdf(std::log(largest / median) / sd_log);
-}
-
-double RosinRammlerGrading::finer(double size_at) const {
-    if (size_at >= largest) return 1.0;
-    return std::expm1(-std::pow(size_at / d63, exponent)) / std::expm1(-std::pow(largest / d63, exponent));
-}
-
-double SieveCurve::finer(double size_at) const {
-    if (size_at >= size.back()) return 1.0;
-    if (size_at < size.front()) {
-        return finer_than.front() > 0.0 ? finer_than.front() * std::pow(size_at / size.front(), tail_slope)
-                                        : 0.0;
-    }
-    const auto above =
-        static_cast<std::size_t>(std::upper_bound(size.begin(), size.end(), size_at) - size.begin());
-    const double fraction = std::log(size_at / size[above - 1]) / std::log(size[above] / size[above - 1]);
-    return finer_than[above - 1] + fraction * (finer_than[above] - finer_than[above - 1]);
-}
-
 double Grading::finer(double size) const {
     require(size > 0.0, "size", size, "greater than 0");
     return std::visit([size](const auto& l) { return l.finer(size); }, law);
@@ -84,24 +40,15 @@ double Grading::largest() const {
     return std::visit([](const auto& l) { return l.largest_size(); }, law);
 }
 
+double Grading::quantile(double share) const {
+    require(share > 0.0 && share <= 1.0, "share", share, "greater than 0 and at most 1");
+    return std::visit([share](const auto& l) { return l.quantile(share); }, law);
+}
+
 double Grading::smallest(double tail) const {
     require(tail >= 0.0 && tail < 1.0, "tail", tail, "at least 0 and less than 1");
-    const double smallest_size = std::visit([](const auto& l) { return l.smallest_size(); }, law);
-    if (finer(largest()) <= tail || tail == 0.0 || finer(std::max(smallest_size, 1e-300)) > tail)
-        return smallest_size;
-    // bisection in ln s; a tail that runs on for ever is bracketed by ever smaller sizes
-    double high = std::log(largest());
-    double low = smallest_size > 0.0 ? std::log(smallest_size) : high - 1.0;
-    const double least = std::log(std::numeric_limits<double>::min());
-    while (finer(std::exp(low)) > tail) {
-        if (low == least) return 0.0;  // that size is smaller than any number
-        low = std::max(low - 2.0 * (high - low), least);
-    }
-    for (int halving = 0; halving < 60; ++halving) {
-        const double middle = 0.5 * (low + high);
-        (finer(std::exp(middle)) <= tail ? low : high) = middle;
-    }
-    return std::exp(high);
+    if (tail == 0.0) return std::visit([](const auto& l) { return l.smallest_size(); }, law);
+    return quantile(tail);
 }
 
 std::vector<double> Grading::on_grid(const LogGrid& grid) const {
@@ -115,20 +62,20 @@ std::vector<double> Grading::on_grid(const LogGrid& grid) const {
                               .finding = "lies above the grid's top edge, " + text(std::exp(edge)),
                               .remedy = Remedy::size_grid_automatically});
     }
-    std::vector<double> pmf(static_cast<std::size_t>(grid.bins()), 0.0);
+    Array<double> pmf(grid.bins());
     if (const auto* points = std::get_if<PointMasses>(&law)) {
         for (std::size_t q = 0; q < points->size.size(); ++q) {
-            pmf[static_cast<std::size_t>(grid.bin_of(std::log(points->size[q])))] += points->share[q];
+            pmf[grid.bin_of(std::log(points->size[q]))] += points->share[q];
         }
-        return pmf;
+        return std::move(pmf).vector();
     }
     double below = 0.0;
     for (Index i = 0; i < grid.bins(); ++i) {
         const double finer_than = i == grid.bins() - 1 ? 1.0 : finer(std::exp(grid.edge(i + 1)));
-        pmf[static_cast<std::size_t>(i)] = finer_than - below;
+        pmf[i] = finer_than - below;
         below = finer_than;
     }
-    return pmf;
+    return std::move(pmf).vector();
 }
 
 Grading monodisperse(double size) {

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 #include "base/check.hpp"
+#include "base/point_curve.hpp"
 #include "comminute/grading.hpp"
 
 namespace comminute {
@@ -14,40 +14,10 @@ using namespace detail;
 
 namespace {
 
-constexpr double rounding = 1e-12;  // a curve is a sum: its plateaus and its 1 are good to this
-
-template <class Law>
-concept HasPoints = std::is_same_v<Law, PointMasses> || std::is_same_v<Law, SieveCurve>;
-
-double first_at_least(const PowerLawGrading& law, double share) {
-    const double power = 3.0 - law.fractal_dimension;
-    if (law.smallest == 0.0) return law.largest * std::pow(share, 1.0 / power);
-    const double range = std::log(law.largest / law.smallest);
-    // F = (e^{a x} - 1) / (e^a - 1), a = power * range, solved for x from whichever end loses no digits
-    const double a = power * range;
-    if (std::abs(a) < 1e-12) return law.smallest * std::exp(range * share);
-    if (a > 0.0) return law.largest * std::exp(std::log(std::exp(-a) - share * std::expm1(-a)) / power);
-    return law.smallest * std::exp(std::log1p(share * std::expm1(a)) / power);
-}
-
-/// Bisection in ln d for the laws of no closed inverse.
-template <class Law>
-double first_at_least(const Law& law, double share) {
-    if (share >= 1.0) return law.largest;
-    double high = std::log(law.largest);
-    double low = high - 1.0;
-    while (law.finer(std::exp(low)) >= share) low -= 2.0 * (high - low);
-    for (int halving = 0; halving < 80; ++halving) {
-        const double middle = 0.5 * (low + high);
-        (law.finer(std::exp(middle)) >= share ? high : low) = middle;
-    }
-    return std::exp(high);
-}
-
 void require_rising(VectorView<const double> cdf) {
     for (Index i = 0; i < cdf.size(); ++i) {
         const double before = i > 0 ? cdf[i - 1] : 0.0;
-        if (cdf[i] >= before - rounding && std::isfinite(cdf[i])) continue;
+        if (cdf[i] >= before - share_rounding && std::isfinite(cdf[i])) continue;
         throw ParameterError({.parameter = "cdf",
                               .value = text(cdf[i]),
                               .number = cdf[i],
@@ -75,22 +45,6 @@ double tail_slope(const LogGrid& grid, VectorView<const double> cdf) {
 
 }  // namespace
 
-double CurvePoints::first_at_least(double share) const {
-    const auto above =
-        static_cast<std::size_t>(std::find_if(finer_than.begin(), finer_than.end(),
-                                              [share](double f) { return f >= share - rounding; }) -
-                                 finer_than.begin());
-    if (above == finer_than.size()) return size.back();
-    if (above == 0) {
-        if (!(tail_slope > 0.0) || share >= finer_than[0]) return size[0];
-        return size[0] * std::pow(share / finer_than[0], 1.0 / tail_slope);
-    }
-    const double below = finer_than[above - 1];
-    const double fraction = std::clamp((share - below) / (finer_than[above] - below), 0.0, 1.0);
-    return fraction == 1.0 ? size[above]
-                           : size[above - 1] * std::pow(size[above] / size[above - 1], fraction);
-}
-
 CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
                           const std::vector<PointMass>& points) {
     require_bins(cdf.size(), grid.bins(), entry("cdf"));
@@ -102,7 +56,7 @@ CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
         curve.size.push_back(std::exp(psi));
         curve.finer_than.push_back(finer);
     };
-    const double whole = cdf[cdf.size() - 1] - rounding;
+    const double whole = cdf[cdf.size() - 1] - share_rounding;
     auto point = points.begin();
     for (Index i = 0; i < grid.bins(); ++i) {
         const double before = i > 0 ? cdf[i - 1] : 0.0;
@@ -128,7 +82,7 @@ double Grading::percentile(double percent, bool extrapolate) const {
     if (percent == 0.0) return smallest();
     const double share = percent / 100.0;
     const auto* curve = std::get_if<SieveCurve>(&law);
-    if (curve != nullptr && share < curve->finer_than.front() - rounding && !extrapolate) {
+    if (curve != nullptr && share < curve->finer_than.front() - share_rounding && !extrapolate) {
         const std::string sieve = text(curve->size.front()) + (unit.empty() ? "" : " " + unit);
         throw ParameterError(percentile_fault(percent,
                                               "lies below the finest sieve, " + sieve + ", which " +
@@ -136,15 +90,7 @@ double Grading::percentile(double percent, bool extrapolate) const {
                                                   " % are finer than",
                                               Remedy::extrapolate));
     }
-    return std::visit(
-        [&](const auto& l) {
-            if constexpr (HasPoints<std::decay_t<decltype(l)>>) {
-                return points().first_at_least(share);
-            } else {
-                return first_at_least(l, share);
-            }
-        },
-        law);
+    return quantile(share);
 }
 
 CurvePoints Grading::points(Index count) const {
@@ -182,7 +128,8 @@ double percentile(const LogGrid& grid, VectorView<const double> cdf, double perc
     require_bins(cdf.size(), grid.bins(), entry("cdf"));
     require_rising(cdf);
     const double finer = percent / 100.0;
-    const auto* bin = std::find_if(cdf.begin(), cdf.end(), [&](double f) { return f >= finer - rounding; });
+    const auto* bin =
+        std::find_if(cdf.begin(), cdf.end(), [&](double f) { return f >= finer - share_rounding; });
     if (bin == cdf.end()) {
         const std::string all = rounded(100.0 * cdf[cdf.size() - 1]);
         throw ParameterError(percentile_fault(
@@ -190,14 +137,14 @@ double percentile(const LogGrid& grid, VectorView<const double> cdf, double perc
     }
     if (bin == cdf.begin()) {
         const CurvePoints curve = curve_on_grid(grid, cdf, points);
-        if (extrapolate && finer > 0.0 && curve.tail_slope > 0.0) return curve.first_at_least(finer);
+        if (extrapolate && finer > 0.0 && curve.tail_slope > 0.0) return curve.quantile(finer);
         throw ParameterError(percentile_fault(percent,
                                               "lies in the fines bin, which holds " +
                                                   rounded(100.0 * cdf[0]) + " % below a size of " +
                                                   rounded(std::exp(grid.edge(1))),
                                               extrapolate ? Remedy::lower_psi_min : Remedy::resolve_fines));
     }
-    return curve_on_grid(grid, cdf, points).first_at_least(finer);
+    return curve_on_grid(grid, cdf, points).quantile(finer);
 }
 
 }  // namespace comminute

@@ -12,7 +12,6 @@
 #include "base/check.hpp"
 #include "base/random.hpp"
 #include "base/workers.hpp"
-#include "gradings/sampling.hpp"
 #include "lattice/weakest_first.hpp"
 
 namespace comminute {
@@ -81,8 +80,7 @@ LatticeState::LatticeState(Index cells, Material material, const Grading& gradin
             for (std::size_t c = 0; c < ring.cells.size(); ++c) {
                 const double p = one_size ? 0.5 : random_uniform(ring.stream, Purpose::start, c, 0);
                 // tails that run on for ever end where a double does
-                const double size =
-                    std::max(size_quantile(grading.law, p), material_.reference_size * 1e-300);
+                const double size = std::max(grading.quantile(p), material_.reference_size * 1e-300);
                 ring.cells[c].psi = relative_psi(size, material_.reference_size);
                 ring.cells[c].size = std::exp(ring.cells[c].psi);
             }
@@ -107,7 +105,7 @@ LatticeState::LatticeState(VectorView<const double> sizes, Material material, co
         rings_.push_back(ring_of(static_cast<std::size_t>(sizes.size()), replica, options_));
         for (std::size_t c = 0; c < rings_.back().cells.size(); ++c) {
             const double psi = relative_psi(sizes[static_cast<Index>(c)], material_.reference_size);
-            rings_.back().cells[c] = {psi, std::exp(psi)};
+            rings_.back().cells[c] = LatticeCell::of(psi);
         }
     }
 }

@@ -63,7 +63,7 @@ class LoadLimit {
     double log_load() const { return log_load_; }
     std::uint64_t tie_key() const { return tie_key_; }
 
-    /// What is to be expected of a cell; `critical` is set to the log of its critical stress ratio if it is
+    /// Prospect of a cell; `critical` is set to the log of its critical stress ratio if it is
     /// active.
     template <class TieKey>
     Look look(const LatticeCell& left, const LatticeCell& cell, const LatticeCell& right,

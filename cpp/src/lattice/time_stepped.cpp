@@ -97,7 +97,7 @@ class Passes {
 
     LatticeRing& ring_;
     const Material& material_;
-    FragmentSampler draw_;
+    FragmentQuantile draw_;
     LoadLimit limit_;
     double probability_;
     std::vector<unsigned char> listed_;

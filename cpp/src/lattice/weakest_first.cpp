@@ -250,7 +250,7 @@ class WeakestFirst {
     LatticeCell* cells_;
     Cell count_;
     LoadLimit limit_;
-    FragmentSampler draw_;
+    FragmentQuantile draw_;
     std::uint64_t ties_;
     bool record_avalanches_;
     const std::function<bool()>& go_on_;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <utility>
 
+#include "base/double_double.hpp"
 #include "base/powers.hpp"
 #include "comminute/fragments.hpp"
 
@@ -13,68 +12,50 @@ using namespace detail;
 
 namespace {
 
-// The monomials lose digits to cancellation while they are made, not while they are used.
-using Wide = long double;
-
 constexpr std::size_t most_terms = 24;
 constexpr double steepest_decay = 230.0;  // in a bin
-constexpr double longest_rate =
-    3.0;  // above it the terms of the sum cancel; the head then takes the steep part
+constexpr double longest_rate = 3.0;  // above it the sum's terms cancel; the head then takes the steep part
 constexpr double tail_rate = 2.0;
 
-// cos(pi k / (2 n)) for k = 0 .. 4 n - 1, all that a Chebyshev transform of n points needs.
-std::vector<Wide> quarter_waves(std::size_t n) {
-    std::vector<Wide> cosine(4 * n, 0.0L);
-    for (std::size_t k = 0; k < n; ++k) {
-        const Wide value =
-            std::cos(std::numbers::pi_v<Wide> * static_cast<Wide>(k) / static_cast<Wide>(2 * n));
-        cosine[k] = value;
-        cosine[2 * n - k] = -value;
-        cosine[(2 * n + k) % (4 * n)] = -value;
-        if (k > 0) cosine[4 * n - k] = value;
+// Modified Bessel function I_c of the first kind, by its power series, whose terms are all positive.
+double bessel(std::size_t c, double z) {
+    double term = 1.0;
+    for (std::size_t k = 1; k <= c; ++k) term *= 0.5 * z / static_cast<double>(k);
+    double sum = 0.0;
+    for (std::size_t k = 1; sum + term != sum; ++k) {
+        sum += term;
+        term *= 0.25 * z * z / static_cast<double>(k * (k + c));
     }
-    return cosine;
+    return sum;
 }
 
-// Coefficients b_a of F(y) = (1 - exp(-rate y)) / (1 - exp(-rate)) = sum_a b_a y^(a+1): its derivative interpolated
-// at the Chebyshev nodes of [0, 1], rewritten in monomials, integrated.
+// Coefficients b_a of F(y) = (1 - exp(-rate y)) / (1 - exp(-rate)) = sum_a b_a y^(a+1), from the Chebyshev series of the
+// derivative on [0, 1],
+//   exp(-rate y) = exp(-rate/2) (I_0 + 2 sum_c (-1)^c I_c T_c(2 y - 1)), all I_c at rate/2,
+// cut off after `terms` terms, rewritten in powers of y and integrated. The power y^a has the sign (-1)^(c - a) in
+// T_c(2 y - 1), so that all terms of a coefficient have one sign and nothing cancels.
 std::vector<double> weibull_polynomial(double rate, std::size_t terms) {
-    const auto n = static_cast<Wide>(terms);
-    const std::vector<Wide> cosine = quarter_waves(terms);
-    std::vector<Wide> slope(terms);
-    for (std::size_t q = 0; q < terms; ++q) {
-        const Wide node = cosine[2 * q + 1];
-        slope[q] = rate * std::exp(-rate * 0.5L * (1.0L + node)) / -std::expm1(-static_cast<Wide>(rate));
-    }
-    std::vector<Wide> sum(terms, 0.0L);
-    std::vector<Wide> before(terms, 0.0L);
-    std::vector<Wide> chebyshev(terms, 0.0L);  // T_c(2 y - 1) in powers of y
-    chebyshev[0] = 1.0L;
+    std::vector<double> sum(terms, 0.0);
     for (std::size_t c = 0; c < terms; ++c) {
-        Wide weight = 0.0L;
-        for (std::size_t q = 0; q < terms; ++q) {
-            weight += slope[q] * cosine[c * (2 * q + 1) % (4 * terms)];
+        const double weight = (c == 0 ? 1.0 : 2.0) * bessel(c, 0.5 * rate);
+        double power = 1.0;  // size of the coefficient of y^a in T_c(2 y - 1)
+        for (std::size_t a = 0; a <= c; ++a) {
+            sum[a] += weight * power;
+            power *=
+                4.0 * static_cast<double>((c + a) * (c - a)) / static_cast<double>((2 * a + 1) * (2 * a + 2));
         }
-        weight *= (c == 0 ? 1.0L : 2.0L) / n;
-        for (std::size_t a = 0; a < terms; ++a) sum[a] += weight * chebyshev[a];
-        std::vector<Wide> next(terms, 0.0L);
-        const Wide factor = c == 0 ? 1.0L : 2.0L;
-        for (std::size_t a = 0; a < terms; ++a) {
-            next[a] = -factor * chebyshev[a] - (c == 0 ? 0.0L : before[a]);
-            if (a > 0) next[a] += 2.0L * factor * chebyshev[a - 1];
-        }
-        before = std::exchange(chebyshev, std::move(next));
     }
-    std::vector<double> integrated(terms);
+    const double slope = rate * std::exp(-0.5 * rate) / -std::expm1(-rate);
     for (std::size_t a = 0; a < terms; ++a) {
-        integrated[a] = static_cast<double>(sum[a] / static_cast<Wide>(a + 1));
+        sum[a] *= (a % 2 == 0 ? slope : -slope) / static_cast<double>(a + 1);
     }
-    return integrated;
+    return sum;
 }
 
-// What a term b exp(rate r) of the cdf gives to f_m exp(rate m h), under either rule.
-double on_bins(double b, double rate, double h, FragmentRule rule) {
-    if (rule == FragmentRule::paper) return b * std::expm1(rate * h);
+// Factor of exp(-rate m h) that a term b exp(rate r) of the cdf gives to f_m, under either scheme; r is the log of size
+// over parent size.
+double on_bins(double b, double rate, double h, Scheme scheme) {
+    if (scheme == Scheme::paper) return b * std::expm1(rate * h);
     const double s = std::sinh(0.5 * rate * h);
     return b * 4.0 * s * s / (rate * h);
 }
@@ -97,16 +78,16 @@ double largest_error(const ExponentialSum& sum, const FragmentPmf& pmf, double m
     return worst;
 }
 
-// Sees to it that all bins of the tail together get what the law says, so that the error of the sum moves mass but makes
-// none. The slowest term takes what the others lack.
+// Lets all bins of the tail together get what the law says, so that the error of the sum moves mass but makes none. The
+// slowest term takes what the others lack, which is of the size of a double's rounding and so is found with more digits.
 void close_balance(ExponentialSum& sum, const FragmentPmf& pmf) {
     const auto from = static_cast<std::size_t>(sum.head) + 1;
     if (from >= pmf.below.size()) return;
-    Wide lack = pmf.below[from];
+    DoubleDouble lack{pmf.below[from]};
     for (std::size_t a = 0; a < sum.decay.size(); ++a) {
-        lack -= sum.coefficient[a] / std::expm1(static_cast<Wide>(sum.decay[a]));
+        lack = lack + DoubleDouble{-sum.coefficient[a]} / exact_expm1(sum.decay[a]);
     }
-    sum.coefficient[0] += static_cast<double>(lack * std::expm1(static_cast<Wide>(sum.decay[0])));
+    sum.coefficient[0] += lack.high * std::expm1(sum.decay[0]);
 }
 
 // Fills in the error; false where the sum is not good enough.
@@ -122,14 +103,14 @@ bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
     return largest > 0.0 && worst <= most;
 }
 
-ExponentialSum sum_of(const PowerLawFragments& law, double h, const FragmentPmf& pmf, FragmentRule rule) {
+ExponentialSum sum_of(const PowerLawFragments& law, double h, const FragmentPmf& pmf, Scheme scheme) {
     ExponentialSum sum;
-    sum.coefficient = {on_bins(1.0, law.exponent, h, rule)};
+    sum.coefficient = {on_bins(1.0, law.exponent, h, scheme)};
     sum.decay = {law.exponent * h};
     return accurate(sum, pmf) ? sum : ExponentialSum{};
 }
 
-ExponentialSum sum_of(const WeibullFragments& law, double h, const FragmentPmf& pmf, FragmentRule rule) {
+ExponentialSum sum_of(const WeibullFragments& law, double h, const FragmentPmf& pmf, Scheme scheme) {
     const double rate = std::pow(law.scale, -law.shape);
     ExponentialSum sum;
     if (rate > longest_rate) {
@@ -145,7 +126,7 @@ ExponentialSum sum_of(const WeibullFragments& law, double h, const FragmentPmf& 
         sum.decay.resize(terms);
         for (std::size_t a = 0; a < terms; ++a) {
             const double decay = law.shape * static_cast<double>(a + 1);
-            sum.coefficient[a] = on_bins(share * polynomial[a], decay, h, rule);
+            sum.coefficient[a] = on_bins(share * polynomial[a], decay, h, scheme);
             sum.decay[a] = decay * h;
         }
         if (accurate(sum, pmf)) return sum;
@@ -154,15 +135,15 @@ ExponentialSum sum_of(const WeibullFragments& law, double h, const FragmentPmf& 
 }
 
 template <class Law>
-ExponentialSum sum_of(const Law&, double, const FragmentPmf&, FragmentRule) {
+ExponentialSum sum_of(const Law&, double, const FragmentPmf&, Scheme) {
     return {};
 }
 
 }  // namespace
 
 ExponentialSum exponential_sum(const FragmentLaw& law, double spacing, const FragmentPmf& pmf,
-                               FragmentRule rule) {
-    return std::visit([&](const auto& l) { return sum_of(l, spacing, pmf, rule); }, law);
+                               Scheme scheme) {
+    return std::visit([&](const auto& l) { return sum_of(l, spacing, pmf, scheme); }, law);
 }
 
 }  // namespace comminute

@@ -11,7 +11,9 @@
 #include "base/check.hpp"
 #include "base/gauss.hpp"
 #include "base/normal.hpp"
+#include "base/point_curve.hpp"
 #include "comminute/error.hpp"
+#include "model/fragment_quantile.hpp"
 
 namespace comminute {
 
@@ -54,8 +56,8 @@ std::vector<double> kinks_of(const Law& law) {
 template <class Law>
 FragmentPmf paper_pmf(const Law& law, double h, Index bins) {
     FragmentPmf pmf;
-    pmf.mass.assign(static_cast<std::size_t>(bins), 0.0);
-    pmf.below.assign(static_cast<std::size_t>(bins), 1.0);
+    pmf.mass = Array<double>(bins).vector();
+    pmf.below = Array<double>(bins, 1.0).vector();
     const std::vector<double> kinks = kinks_of(law);
     for (std::size_t m = 1; m < pmf.mass.size(); ++m) {
         const auto depth = static_cast<double>(m);
@@ -71,8 +73,8 @@ FragmentPmf paper_pmf(const Law& law, double h, Index bins) {
 template <class Law>
 FragmentPmf conservative_pmf(const Law& law, double h, Index bins) {
     FragmentPmf pmf;
-    pmf.mass.assign(static_cast<std::size_t>(bins), 0.0);
-    pmf.below.assign(static_cast<std::size_t>(bins), 1.0);
+    pmf.mass = Array<double>(bins).vector();
+    pmf.below = Array<double>(bins, 1.0).vector();
     const std::vector<double> kinks = kinks_of(law);
     for (std::size_t m = 0; m < pmf.mass.size(); ++m) {
         const auto next = static_cast<double>(m + 1);
@@ -124,6 +126,10 @@ double WeibullFragments::cdf(double r) const {
     return std::expm1(-rate * std::exp(shape * r)) / std::expm1(-rate);
 }
 
+double WeibullFragments::quantile(double share) const {
+    return WeibullQuantile(*this)(share);
+}
+
 double WeibullFragments::smooth_length() const {
     return 0.5 / shape;
 }
@@ -144,6 +150,10 @@ double PowerLawFragments::cdf(double r) const {
     return r >= 0.0 ? 1.0 : std::exp(exponent * r);
 }
 
+double PowerLawFragments::quantile(double share) const {
+    return std::log(share) / exponent;
+}
+
 double PowerLawFragments::smooth_length() const {
     return 1.0 / exponent;
 }
@@ -162,6 +172,10 @@ double LogNormalFragments::pdf(double r) const {
 double LogNormalFragments::cdf(double r) const {
     if (r >= 0.0) return 1.0;
     return normal_cdf((r - mean_log) / sd_log) / normal_cdf(-mean_log / sd_log);
+}
+
+double LogNormalFragments::quantile(double share) const {
+    return std::min(mean_log + sd_log * normal_quantile(share * normal_cdf(-mean_log / sd_log)), 0.0);
 }
 
 double LogNormalFragments::smooth_length() const {
@@ -198,6 +212,16 @@ double TabulatedFragments::cdf(double r) const {
                                   std::log(x[above] / x[above - 1]);
 }
 
+double TabulatedFragments::quantile(double share) const {
+    const auto [upper, fraction] = first_at_least(finer, share);
+    if (upper == 0) {
+        const double first = std::log(x[0]);
+        return share < finer[0] ? first + std::log(share / finer[0]) / tail_slope() : first;
+    }
+    const double* const above = x.data() + upper;
+    return std::min(std::log(above[-1]) + fraction * std::log(above[0] / above[-1]), 0.0);
+}
+
 double TabulatedFragments::smooth_length() const {
     return tail_slope() > 0.0 ? 1.0 / tail_slope() : 1.0;
 }
@@ -222,14 +246,13 @@ void TabulatedFragments::validate() const {
             "0 at the first x, or rising to the second: no tail can be read from a flat start");
 }
 
-FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins, FragmentRule rule) {
+FragmentPmf fragment_pmf(const FragmentLaw& law, double spacing, Index bins, Scheme scheme) {
     std::visit([](const auto& l) { l.validate(); }, law);
     require_positive("spacing", spacing);
     require(bins >= 1, "bins", static_cast<double>(bins), "at least 1");
     return made_whole(std::visit(
         [&](const auto& l) {
-            return rule == FragmentRule::paper ? paper_pmf(l, spacing, bins)
-                                               : conservative_pmf(l, spacing, bins);
+            return scheme == Scheme::paper ? paper_pmf(l, spacing, bins) : conservative_pmf(l, spacing, bins);
         },
         law));
 }

@@ -6,52 +6,14 @@
 #include <vector>
 
 #include "comminute/view.hpp"
-#include "simd/multiversion.hpp"
 
 namespace comminute::detail {
 
-/// Doubles in a cache line, and in the widest register that any of these loops uses. Tables are laid out in packs of as
-/// many, whatever the registers at hand.
+/// Doubles in a cache line, and in the widest register that any of the vector loops uses. Tables are laid out in packs of
+/// as many, whatever registers the machine has.
 constexpr Index lanes = 8;
 
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi"  // of functions that hand vectors around: all are inlined
-#endif
-
-// NOLINTBEGIN(modernize-use-using): in a using clang drops the alignment
-template <Index Width>
-struct VectorTypes;
-template <>
-struct VectorTypes<2> {
-    using Value = double __attribute__((vector_size(16)));
-    typedef double Anywhere __attribute__((vector_size(16), aligned(8), may_alias));
-};
-template <>
-struct VectorTypes<4> {
-    using Value = double __attribute__((vector_size(32)));
-    typedef double Anywhere __attribute__((vector_size(32), aligned(8), may_alias));
-};
-template <>
-struct VectorTypes<8> {
-    using Value = double __attribute__((vector_size(64)));
-    typedef double Anywhere __attribute__((vector_size(64), aligned(8), may_alias));
-};
-// NOLINTEND(modernize-use-using)
-
-/// Doubles side by side, 2, 4 or 8: as many as a register of the machine holds.
-template <Index Width>
-using Vector = typename VectorTypes<Width>::Value;
-
-template <Index Width>
-COMMINUTE_INLINE Vector<Width> load(const double* from) {
-    return *reinterpret_cast<const typename VectorTypes<Width>::Anywhere*>(from);
-}
-template <Index Width>
-COMMINUTE_INLINE void store(const Vector<Width>& vector, double* to) {
-    *reinterpret_cast<typename VectorTypes<Width>::Anywhere*>(to) = vector;
-}
-
-/// Gives memory that begins with a cache line, so that packs in step with it never straddle two.
+/// Allocator whose memory begins with a cache line, so that packs in step with it never straddle two.
 template <class T>
 struct CacheLineAllocator {
     using value_type = T;
@@ -66,9 +28,11 @@ struct CacheLineAllocator {
 };
 using LaneVector = std::vector<double, CacheLineAllocator<double>>;
 
+/// Largest multiple of `lanes` that is not above n.
 constexpr Index lanes_down(Index n) {
     return n / lanes * lanes;
 }
+/// Smallest multiple of `lanes` that is not below n.
 constexpr Index lanes_up(Index n) {
     return lanes_down(n + lanes - 1);
 }

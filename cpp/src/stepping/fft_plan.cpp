@@ -1,28 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// FFTW behind one interface: plans, transforms, its global state left as found (docs/theory/one_sweep.md, section 13).
 #include "stepping/fft_plan.hpp"
 
 #include <fftw3.h>
 
 #include <algorithm>
 #include <cstdlib>
-#include <mutex>
 #include <new>
 #include <type_traits>
 #include <vector>
 
-#include "simd/multiversion.hpp"
+#include "simd/pairs.hpp"
+#include "stepping/planner_lock.hpp"
 
 namespace comminute::detail {
 namespace {
 
-// FFTW's planner is global and not thread safe; executing a plan is.
-std::mutex& planner() {
-    static std::mutex mutex;
-    return mutex;
-}
-
-// Plans from FFTW's own judgement alone, and gives its wisdom back as it was: what an engine computes does not depend, to
-// the last bit, on what else was planned in the process, and the host's wisdom is its own.
+// Sets FFTW's wisdom aside while plans are made, and puts it back as it was. So what an engine computes does not depend,
+// to the last bit, on what else was planned in the process, and nothing that is planned here stays in the host's wisdom.
 class WisdomAside {
   public:
     WisdomAside() : kept_(fftw_export_wisdom_to_string()) { fftw_forget_wisdom(); }
@@ -38,25 +33,13 @@ class WisdomAside {
     char* kept_;
 };
 
-struct FftwFree {
-    void operator()(void* memory) const { fftw_free(memory); }
-};
-using Buffer = std::unique_ptr<double[], FftwFree>;
-
-Buffer zeros(Index count) {
-    Buffer buffer(static_cast<double*>(fftw_malloc(sizeof(double) * static_cast<std::size_t>(count))));
-    if (!buffer) throw std::bad_alloc();
-    std::fill_n(buffer.get(), count, 0.0);
-    return buffer;
-}
-
 fftw_complex* complex(double* numbers) {
     return reinterpret_cast<fftw_complex*>(numbers);
 }
 
 struct DestroyPlan {
     void operator()(fftw_plan plan) const {
-        const std::lock_guard lock(planner());
+        const PlannerLock lock;
         fftw_destroy_plan(plan);
     }
 };
@@ -68,7 +51,7 @@ using FftwPlan = std::unique_ptr<std::remove_pointer_t<fftw_plan>, DestroyPlan>;
 struct Spectrum {
     Index reach;
     Index width;
-    std::vector<double> numbers;  // interleaved
+    Array<double> numbers;  // interleaved
 };
 
 /// Transforms of one length.
@@ -93,84 +76,63 @@ std::vector<Index> ladder(Index bins) {
     }
 }
 
-COMMINUTE_MULTIVERSION void multiply(double* z, const double* by, Index count) {
-    COMMINUTE_INDEPENDENT
-    for (Index q = 0; q < count; ++q) {
-        const double re = z[2 * q];
-        const double im = z[2 * q + 1];
-        z[2 * q] = re * by[2 * q] - im * by[2 * q + 1];
-        z[2 * q + 1] = re * by[2 * q + 1] + im * by[2 * q];
-    }
-}
-
 }  // namespace
 
+/// Transforms of every length that a line may need, and the filter in each; nothing here changes once it is made.
 struct LineSpreader::Plans {
-    Plans(VectorView<const double> filter, Index pairs, PlanEffort effort)
-        : used(static_cast<std::size_t>(pairs), 0) {
+    // The buffers are for planning alone; what they hold is lost.
+    Plans(VectorView<const double> filter, double* line, double* spectral, PlanEffort effort) {
         const std::vector<Index> lengths = ladder(filter.size());
-        distance = 2 * lengths.back() + 8;  // one cache line off, so that pairs do not share their sets
-        lines = zeros(distance * pairs);
-        spectral = zeros(distance);
         // So that nothing throws, and no plan is destroyed, while the planner is locked.
         rungs.reserve(lengths.size());
         {
-            const std::lock_guard lock(planner());
+            const PlannerLock lock;
             const WisdomAside aside;
-            for (const Index length : lengths) plan(length, effort);
+            for (const Index length : lengths) plan(length, line, spectral, effort);
         }
         for (Rung& rung : rungs) {
             if (!rung.forward || !rung.backward) throw std::bad_alloc();
             for (const Index eighths : {4, 5, 6, 7}) {
                 const Index reach = std::min(eighths * rung.length / 8, filter.size());
-                if (rung.spectra.empty() || rung.spectra.back().reach < reach) transform(filter, reach, rung);
+                if (!rung.spectra.empty() && rung.spectra.back().reach >= reach) continue;
+                std::fill_n(line, 2 * rung.length, 0.0);
+                for (Index m = 0; m < reach; ++m) line[2 * m] = filter[m];
+                add_spectrum(rung, reach, line, spectral);
             }
         }
-        std::fill_n(lines.get(), distance * pairs, 0.0);
     }
 
-    void plan(Index length, PlanEffort effort) {
+    void plan(Index length, double* line, double* spectral, PlanEffort effort) {
         const int n = static_cast<int>(length);
         const unsigned flags =
             FFTW_DESTROY_INPUT | (effort == PlanEffort::measure ? FFTW_MEASURE : FFTW_ESTIMATE);
-        fftw_complex* line = complex(lines.get());
-        fftw_complex* to = complex(spectral.get());
-        rungs.push_back({length,
-                         FftwPlan(fftw_plan_dft_1d(n, line, to, FFTW_FORWARD, flags)),
-                         FftwPlan(fftw_plan_dft_1d(n, to, line, FFTW_BACKWARD, flags)),
-                         {}});
+        rungs.push_back(
+            {length,
+             FftwPlan(fftw_plan_dft_1d(n, complex(line), complex(spectral), FFTW_FORWARD, flags)),
+             FftwPlan(fftw_plan_dft_1d(n, complex(spectral), complex(line), FFTW_BACKWARD, flags)),
+             {}});
     }
 
-    void transform(VectorView<const double> filter, Index reach, Rung& rung) const {
-        std::fill_n(lines.get(), 2 * rung.length, 0.0);
-        for (Index m = 0; m < reach; ++m) lines[static_cast<std::size_t>(2 * m)] = filter[m];
-        fftw_execute(rung.forward.get());
-        std::vector<double> numbers(spectral.get(), spectral.get() + 2 * rung.length);
-        for (std::size_t q = 0; q < numbers.size(); ++q) {
-            numbers[q] /= static_cast<double>(q % 2 == 0 ? rung.length : -rung.length);
-        }
+    static void add_spectrum(Rung& rung, Index reach, double* line, double* spectral) {
+        fftw_execute_dft(rung.forward.get(), complex(line), complex(spectral));
+        const auto length = static_cast<double>(rung.length);
+        Array<double> numbers(2 * rung.length);
+        for (Index q = 0; q < numbers.size(); ++q) numbers[q] = spectral[q] / (q % 2 == 0 ? length : -length);
         rung.spectra.push_back({reach, rung.length - reach + 1, std::move(numbers)});
     }
 
-    std::vector<Index> used;  // length of each pair's last transform
-    Index distance = 0;
-    Buffer lines;
-    Buffer spectral;
     std::vector<Rung> rungs;  // by growing length
 };
 
+// Pairs lie one cache line further apart than they are long, so that they do not share their sets. All begin with a cache
+// line, as the buffers do for which the plans are made.
 LineSpreader::LineSpreader(VectorView<const double> filter, Index pairs, PlanEffort effort)
-    : plans_(std::make_unique<Plans>(filter, pairs, effort)) {}
-LineSpreader::~LineSpreader() = default;
-LineSpreader::LineSpreader(LineSpreader&&) noexcept = default;
-LineSpreader& LineSpreader::operator=(LineSpreader&&) noexcept = default;
-
-double* LineSpreader::pair(Index q) {
-    return plans_->lines.get() + q * plans_->distance;
-}
-
-Index LineSpreader::distance() const {
-    return plans_->distance;
+    : distance_(2 * ladder(filter.size()).back() + lanes), used_(pairs) {
+    const auto numbers = static_cast<std::size_t>(distance_);
+    lines_.resize(numbers * static_cast<std::size_t>(pairs));
+    spectral_.resize(numbers);
+    plans_ = std::make_shared<const Plans>(filter, lines_.data(), spectral_.data(), effort);
+    std::fill(lines_.begin(), lines_.end(), 0.0);
 }
 
 void LineSpreader::spread(Index q, Index finest, Index coarsest) {
@@ -178,18 +140,18 @@ void LineSpreader::spread(Index q, Index finest, Index coarsest) {
         for (const Spectrum& spectrum : rung.spectra) {
             if (coarsest >= spectrum.reach || coarsest - finest >= spectrum.width) continue;
             // The last rung serves any line.
-            double* spectral = plans_->spectral.get();
+            double* spectral = spectral_.data();
             fftw_execute_dft(rung.forward.get(), complex(pair(q)), complex(spectral));
             multiply(spectral, spectrum.numbers.data(), rung.length);
             fftw_execute_dft(rung.backward.get(), complex(spectral), complex(pair(q)));
-            plans_->used[static_cast<std::size_t>(q)] = rung.length;
+            used_[q] = rung.length;
             return;
         }
     }
 }
 
 void LineSpreader::clear(Index q) {
-    std::fill_n(pair(q), 2 * plans_->used[static_cast<std::size_t>(q)], 0.0);
+    std::fill_n(pair(q), 2 * used_[q], 0.0);
 }
 
 }  // namespace comminute::detail

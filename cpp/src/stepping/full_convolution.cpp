@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// One step with any kernel, by sums or by FFT (docs/theory/one_sweep.md, section 13).
 #include "comminute/full_convolution.hpp"
 
 #include <algorithm>
@@ -27,18 +28,18 @@ void require_all_finite(MatrixView<const double> p) {
 
 }  // namespace
 
-struct FullConvolution::Workspace {
-    Workspace(Kernel k, StepPath asked, PlanEffort effort)
-        : kernel(std::move(k)), path(asked), zones(kernel.grid(), kernel.material(), 0.0), runs(zones) {
-        if (path != StepPath::transforms) set_sums();
-        if (!sums) set_transforms(effort);
+struct FullConvolution::Work {
+    Work(const LogGrid& grid, const Material& material, const FullConvolutionOptions& o)
+        : options(o), kernel(grid, material, o), runs(grid, material) {
+        if (options.path != StepPath::transforms) set_sums();
+        if (!sums) set_transforms();
     }
 
     void set_sums() {
         sums.emplace(kernel);
         if (sums->available()) return;
         sums.reset();
-        if (path == StepPath::sums) {
+        if (options.path == StepPath::sums) {
             throw ParameterError({.parameter = "path",
                                   .value = "sums",
                                   .rule = "these fragments have no accurate exponential sum on this grid",
@@ -46,9 +47,9 @@ struct FullConvolution::Workspace {
         }
     }
 
-    void set_transforms([[maybe_unused]] PlanEffort effort) {
+    void set_transforms() {
 #ifdef COMMINUTE_HAS_FFTW
-        transforms.emplace(kernel, effort);
+        transforms.emplace(kernel, options.effort);
 #else
         throw UnavailableError({.subject = "FullConvolution",
                                 .finding = "needs FFTW for this, which this build of comminute leaves out",
@@ -56,9 +57,8 @@ struct FullConvolution::Workspace {
 #endif
     }
 
+    FullConvolutionOptions options;
     Kernel kernel;
-    StepPath path;
-    CrushZones zones;
     ZoneRuns runs;
     std::optional<SumStep> sums;
 #ifdef COMMINUTE_HAS_FFTW
@@ -66,31 +66,42 @@ struct FullConvolution::Workspace {
 #endif
 };
 
-FullConvolution::FullConvolution(Kernel kernel, StepPath path, PlanEffort effort)
-    : work_(std::make_unique<Workspace>(std::move(kernel), path, effort)) {}
+FullConvolution::FullConvolution(const LogGrid& grid, const Material& material,
+                                 const FullConvolutionOptions& options)
+    : work_(std::make_unique<Work>(grid, material, options)) {}
 FullConvolution::~FullConvolution() = default;
+FullConvolution::FullConvolution(const FullConvolution& other)
+    : work_(std::make_unique<Work>(*other.work_)) {}
+FullConvolution& FullConvolution::operator=(const FullConvolution& other) {
+    work_ = std::make_unique<Work>(*other.work_);  // this one may have been moved from
+    return *this;
+}
 FullConvolution::FullConvolution(FullConvolution&&) noexcept = default;
 FullConvolution& FullConvolution::operator=(FullConvolution&&) noexcept = default;
 
 StepReport FullConvolution::step(MatrixView<const double> p, double stress_ratio, MatrixView<double> out) {
-    require_square(p, work_->kernel.grid().bins(), "p");
-    require_square(out, work_->kernel.grid().bins(), "out");
+    require_square(p, grid().bins(), "p");
+    require_square(out, grid().bins(), "out");
     require_same_or_apart(p, out);
     require_all_finite(p);
-    work_->zones.set_load(stress_ratio);
-    work_->runs.set_load();
+    work_->runs.set_load(stress_ratio);
 #ifdef COMMINUTE_HAS_FFTW
     if (work_->transforms) return work_->transforms->run(p, work_->kernel, work_->runs, out);
 #endif
     return work_->sums->run(p, work_->kernel, work_->runs, out);
 }
 
+const LogGrid& FullConvolution::grid() const {
+    return kernel().grid();
+}
+const Material& FullConvolution::material() const {
+    return kernel().material();
+}
+const FullConvolutionOptions& FullConvolution::options() const {
+    return work_->options;
+}
 const Kernel& FullConvolution::kernel() const {
     return work_->kernel;
-}
-
-StepPath FullConvolution::path() const {
-    return work_->path;
 }
 
 bool has_fftw() {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The crushing kernel: which grain of an active cell crushes, and where its mass goes (docs/theory/one_sweep.md,
+// section 13).
 #include "comminute/kernel.hpp"
 
 #include <algorithm>
 
+#include "base/arrays.hpp"
 #include "base/check.hpp"
 
 namespace comminute {
@@ -11,22 +14,21 @@ using namespace detail;
 
 namespace {
 
-// Where one unit of mass in bin `from` of a line lies after one crush.
-std::vector<double> spread(const FragmentPmf& fragments, Index from) {
-    std::vector<double> line(fragments.mass.size(), 0.0);
-    for (Index m = 0; m < from; ++m) {
-        line[static_cast<std::size_t>(from - m)] = fragments.mass[static_cast<std::size_t>(m)];
-    }
-    line[0] = fragments.below[static_cast<std::size_t>(from)];
+// (N) place of one unit of mass in bin `from` of a line after one crush.
+Array<double> spread(const FragmentPmf& fragments, Index from) {
+    const VectorView<const double> mass = fragments.mass;
+    Array<double> line(mass.size());
+    for (Index m = 0; m < from; ++m) line[from - m] = mass[m];
+    line[0] = fragments.below.data()[from];
     return line;
 }
 
 }  // namespace
 
-Kernel::Kernel(const LogGrid& grid, const Material& material, KernelKind kind, double loading_rate,
-               FragmentRule rule)
-    : grid_(grid), material_(material), kind_(kind), loading_rate_(loading_rate), rule_(rule) {
+Kernel::Kernel(const LogGrid& grid, const Material& material, const KernelOptions& options)
+    : grid_(grid), material_(material), options_(options) {
     material_.validate();
+    const auto& [kind, loading_rate, scheme] = options_;
     require(loading_rate >= 0.0 && loading_rate <= 1.0, "loading_rate", loading_rate, "between 0 and 1");
     if (kind != KernelKind::blend && loading_rate != 0.0) {
         throw ParameterError({.parameter = "loading_rate",
@@ -35,18 +37,20 @@ Kernel::Kernel(const LogGrid& grid, const Material& material, KernelKind kind, d
                               .rule = "a rate belongs to the blend of kernels, and this one is no blend",
                               .remedy = Remedy::use_blend_kernel});
     }
-    fragments_ = fragment_pmf(material_.fragments, grid_.spacing(), grid_.bins(), rule);
+    fragments_ = fragment_pmf(material_.fragments, grid_.spacing(), grid_.bins(), scheme);
 }
 
 CrushShares Kernel::shares(Zone zone, Index i, Index j) const {
-    if (kind_ == KernelKind::fast) return {0.0, 0.0, 1.0};
-    if (kind_ == KernelKind::exact) {
+    const KernelKind kind = options_.kind;
+    const double fast_share = options_.loading_rate;
+    if (kind == KernelKind::fast) return {0.0, 0.0, 1.0};
+    if (kind == KernelKind::exact) {
         if (zone == Zone::both) return {0.0, 0.0, 1.0};
         return zone == Zone::grain ? CrushShares{1.0, 0.0, 0.0} : CrushShares{0.0, 1.0, 0.0};
     }
-    const double slow = 1.0 - loading_rate_;
-    if (i == j) return {0.5 * slow, 0.5 * slow, loading_rate_};
-    return i > j ? CrushShares{slow, 0.0, loading_rate_} : CrushShares{0.0, slow, loading_rate_};
+    const double slow = 1.0 - fast_share;
+    if (i == j) return {0.5 * slow, 0.5 * slow, fast_share};
+    return i > j ? CrushShares{slow, 0.0, fast_share} : CrushShares{0.0, slow, fast_share};
 }
 
 void Kernel::cell(Index i, Index j, double stress_ratio, MatrixView<double> out) const {
@@ -61,18 +65,13 @@ void Kernel::cell(Index i, Index j, double stress_ratio, MatrixView<double> out)
         return;
     }
     const CrushShares share = shares(zone, i, j);
-    const std::vector<double> down_i = spread(fragments_, i);
-    const std::vector<double> down_j = spread(fragments_, j);
+    const Array<double> down_i = spread(fragments_, i);
+    const Array<double> down_j = spread(fragments_, j);
     for (Index row = 0; row <= i; ++row) {
-        const double along_i = down_i[static_cast<std::size_t>(row)];
-        for (Index col = 0; col <= j; ++col) {
-            out(row, col) = share.both * along_i * down_j[static_cast<std::size_t>(col)];
-        }
-        out(row, j) += share.grain * along_i;
+        for (Index col = 0; col <= j; ++col) out(row, col) = share.both * down_i[row] * down_j[col];
+        out(row, j) += share.grain * down_i[row];
     }
-    for (Index col = 0; col <= j; ++col) {
-        out(i, col) += share.neighbour * down_j[static_cast<std::size_t>(col)];
-    }
+    for (Index col = 0; col <= j; ++col) out(i, col) += share.neighbour * down_j[col];
 }
 
 }  // namespace comminute

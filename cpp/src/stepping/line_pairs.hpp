@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Pairs of lines on their way into an FFT and out of it (docs/theory/one_sweep.md, section 13).
 #pragma once
 
 #include <array>
@@ -9,13 +10,13 @@ namespace comminute::detail {
 
 /// A line of the state that is to be spread: how much mass it pushes, from which bins, and where what lands is
 /// added.
-struct Line {
+struct PairedLine {
     double pushed = 0.0;
     Index finest = 0;
     Index coarsest = -1;  ///< -1 for a line without mass
     double* to = nullptr;
 };
-using LinePair = std::array<Line, 2>;
+using LinePair = std::array<PairedLine, 2>;
 
 inline Index finest(const LinePair& lines) {
     return lines[0].finest < lines[1].finest ? lines[0].finest : lines[1].finest;
@@ -24,7 +25,7 @@ inline Index coarsest(const LinePair& lines) {
     return lines[0].coarsest > lines[1].coarsest ? lines[0].coarsest : lines[1].coarsest;
 }
 
-// Pairs are interleaved as LineSpreader holds them: bin i of their lines at [2 i] and [2 i + 1].
+// Pairs are interleaved as in simd/pairs.hpp: bin i of their lines at [2 i] and [2 i + 1].
 
 /// Brings the lighter line of a pair to the other's size, by a power of two, lest it drown in the other's
 /// noise. Returns what each line must be multiplied by afterwards.
@@ -33,15 +34,5 @@ std::array<double, 2> level(double* pair, const LinePair& lines);
 /// Removes FFT noise from a spread pair by the rule stated in full_convolution.hpp, undoes level(), and closes
 /// each line's mass balance in bin 0.
 void clean(double* pair, const LinePair& lines, std::array<double, 2> unlevel, bool some_stays);
-
-/// to[i] += line[2 i], i < bins.
-void add_line(const double* line, double* to, Index bins);
-
-/// Copies `rows` rows of eight columns into pairs `distance` apart, and adds each column's mass to `pushed`.
-void gather_columns(const double* columns, Index stride, Index rows, double* pairs, Index distance,
-                    double* pushed);
-
-/// Adds pairs to the columns of `out` from `begin` on, as many of the eight as there are.
-void add_columns(const double* pairs, Index distance, Index rows, MatrixView<double> out, Index begin);
 
 }  // namespace comminute::detail

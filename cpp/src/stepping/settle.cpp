@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Steps repeated until a state is at rest (docs/theory/one_sweep.md, section 13).
 #include "comminute/settle.hpp"
 
 #include <cmath>

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Running sums along tiles of rows, then of columns (docs/theory/one_sweep.md, sections 7 and 13).
 #include "stepping/sum_step.hpp"
 
 #include <algorithm>
 
 #include "simd/loops.hpp"
+#include "simd/sums.hpp"
 
 namespace comminute::detail {
 namespace {
@@ -15,7 +17,7 @@ constexpr Index rows_ahead = 4;
 // A law that needs a head of bins taken one by one is better left to transforms.
 ExponentialSum sum_of(const Kernel& kernel) {
     ExponentialSum sum = exponential_sum(kernel.material().fragments, kernel.grid().spacing(),
-                                         kernel.fragments(), kernel.rule());
+                                         kernel.fragments(), kernel.options().scheme);
     return sum.head == 0 ? sum : ExponentialSum{};
 }
 
@@ -71,21 +73,21 @@ void SumStep::divide_row(Index i, Index lane, const Kernel& kernel, ZoneRuns& ru
 // Mass that crushes in psibar, or in both, takes the place of its cell's.
 void SumStep::put(Index i, Index j, Index lane, double neighbour, double both, double* row) {
     const double stays = j == 0 ? 1.0 : stays_;
-    const double below = j == 0 ? 0.0 : table_.below[static_cast<std::size_t>(j)];
+    const double below = j == 0 ? 0.0 : table_.below[j];
     row[j] = stays * neighbour;
     grain(i)[j] += stays * both;
-    fines_[static_cast<std::size_t>(lane)] += below * neighbour;
-    fines_[static_cast<std::size_t>(rows_a_tile + lane)] += below * both;
+    fines_.data()[lane] += below * neighbour;
+    fines_.data()[rows_a_tile + lane] += below * both;
     entering(j)[lane] = neighbour;
     entering(j)[rows_a_tile + lane] = both;
 }
 
-// What has arrived in bin j of the rows at hand.
+// Adds the mass that has arrived in bin j of the rows at hand.
 void SumStep::land(Index begin, Index end, Index j, MatrixView<double> out) {
-    for (Index i = begin; i < end; ++i) out(i, j) += arriving_[static_cast<std::size_t>(i - begin)];
+    for (Index i = begin; i < end; ++i) out(i, j) += arriving_.data()[i - begin];
     if (!both_) return;
     for (Index i = begin; i < end; ++i) {
-        grain(i)[j] += arriving_[static_cast<std::size_t>(rows_a_tile + i - begin)];
+        grain(i)[j] += arriving_.data()[rows_a_tile + i - begin];
     }
 }
 
@@ -108,41 +110,38 @@ void SumStep::spread_rows(Index begin, Index end, MatrixView<double> out) {
         const double* falling = table_.falling_at(std::max(shell, Index{0}));
         for (Index lane = 0; lane < count; ++lane) {
             for (Index a = 0; a < table_.terms; ++a) {
-                double& sum =
-                    sums_[static_cast<std::size_t>((lane / lanes * table_.terms + a) * lanes + lane % lanes)];
-                sum = sum * falling[a] +
-                      table_.coefficient[static_cast<std::size_t>(a)] * entering(bottom)[lane];
+                double& sum = sums_.data()[(lane / lanes * table_.terms + a) * lanes + lane % lanes];
+                sum = sum * falling[a] + table_.coefficient[a] * entering(bottom)[lane];
             }
         }
         fall_along_rows(begin, end, bottom, 0, out);
         if (both_) fall_along_rows(begin, end, bottom, rows_a_tile, {grain_.data(), bins_, bins_, stride_});
     }
     for (Index i = begin; i < end; ++i) {
-        out(i, 0) += fines_[static_cast<std::size_t>(i - begin)];
-        grain(i)[0] += fines_[static_cast<std::size_t>(rows_a_tile + i - begin)];
+        out(i, 0) += fines_.data()[i - begin];
+        grain(i)[0] += fines_.data()[rows_a_tile + i - begin];
         if (both_) widen(reach(i), 0, 1);
     }
     std::fill(entering(tile_reach_.begin),
               entering(tile_reach_.begin) + (tile_reach_.end - tile_reach_.begin) * 2 * rows_a_tile, 0.0);
 }
 
-// What the rows' sums give in bins 1 to bottom - 1.
+// Adds the mass that the rows' sums give to bins 1 to bottom - 1.
 void SumStep::fall_along_rows(Index begin, Index end, Index bottom, Index first_lane, MatrixView<double> to) {
     const auto factor = [&](Index lane, Index a, Index last) {
-        return sums_[static_cast<std::size_t>((lane / lanes * table_.terms + a) * lanes + lane % lanes)] *
+        return sums_.data()[(lane / lanes * table_.terms + a) * lanes + lane % lanes] *
                table_.powers(a)[bottom - last];
     };
     for (Index from = 1; from < bottom; from += columns_a_reference) {
         const Index count = std::min(columns_a_reference, bottom - from);
         const Index last = from + count - 1;
-        const Index terms = table_.terms_from[static_cast<std::size_t>(bottom - last)];
+        const Index terms = table_.terms_from[bottom - last];
         const double* power = table_.powers_towards(0, last, from);
         Index i = begin;
         for (; i + rows_at_once <= end; i += rows_at_once) {
             for (Index a = 0; a < terms; ++a) {
                 for (Index r = 0; r < rows_at_once; ++r) {
-                    factors_[static_cast<std::size_t>(a * rows_at_once + r)] =
-                        factor(first_lane + i - begin + r, a, last);
+                    factors_.data()[a * rows_at_once + r] = factor(first_lane + i - begin + r, a, last);
                 }
             }
             add_to_rows({power, lanes, table_.stride}, factors_.data(), terms, to.row(i) + from, to.stride(),
@@ -150,9 +149,9 @@ void SumStep::fall_along_rows(Index begin, Index end, Index bottom, Index first_
         }
         for (; i < end; ++i) {
             for (Index a = 0; a < terms; ++a) {
-                add_scaled(factor(first_lane + i - begin, a, last), power + a * table_.stride,
-                           to.row(i) + from, count);
+                factors_[static_cast<std::size_t>(a)] = factor(first_lane + i - begin, a, last);
             }
+            add_terms(factors_.data(), {power, table_.stride}, terms, to.row(i) + from, count);
         }
     }
 }
@@ -185,16 +184,14 @@ void SumStep::spread_columns(Index begin, Index end, MatrixView<double> out) {
             advance(table_.falling_sums(shell, sums_.data()), grain(row + 1) + begin, arriving_.data(),
                     padded);
         }
-        settle_row(
-            {grain(row) + begin, arriving_.data(), stays_, table_.below[static_cast<std::size_t>(row)]},
-            out.row(row) + begin, column_fines_.data(), count);
+        settle_row({grain(row) + begin, arriving_.data(), stays_, table_.below[row]}, out.row(row) + begin,
+                   column_fines_.data(), count);
     }
     if (row > 0) fall_along_columns(begin, end, row, shell, out);
-    for (Index k = 0; k < count; ++k)
-        out(0, begin + k) += column_fines_[static_cast<std::size_t>(k)] + grain(0)[begin + k];
+    for (Index k = 0; k < count; ++k) out(0, begin + k) += column_fines_.data()[k] + grain(0)[begin + k];
 }
 
-// What the columns' sums, as of `row` + 1, give in rows `row` to 1.
+// Adds the mass that the columns' sums, as of `row` + 1, give to rows `row` to 1.
 void SumStep::fall_along_columns(Index begin, Index end, Index row, Index shell, MatrixView<double> out) {
     const double* falling = table_.falling_at(shell);
     for (Index top = row; top > 0; top -= rows_at_once) {
@@ -202,11 +199,10 @@ void SumStep::fall_along_columns(Index begin, Index end, Index row, Index shell,
         for (Index r = 0; r < rows_at_once; ++r) {
             fetch(out.row(std::max(first - rows_at_once + r, Index{0})) + begin, end - begin);
         }
-        const Index terms = table_.terms_from[static_cast<std::size_t>(row + 1 - top)];
+        const Index terms = table_.terms_from[row + 1 - top];
         for (Index a = 0; a < terms; ++a) {
             for (Index r = 0; r < rows_at_once; ++r) {
-                factors_[static_cast<std::size_t>(a * rows_at_once + r)] =
-                    falling[a] * table_.powers(a)[row + 1 - first - r];
+                factors_.data()[a * rows_at_once + r] = falling[a] * table_.powers(a)[row + 1 - first - r];
             }
         }
         add_to_rows({sums_.data(), table_.terms * lanes, lanes}, factors_.data(), terms,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// One step with any kernel by running sums (docs/theory/one_sweep.md, sections 7 and 13).
 #pragma once
 
 #include <array>
@@ -49,7 +50,7 @@ class SumStep {
     void fall_along_columns(Index begin, Index end, Index row, Index shell, MatrixView<double> out);
     double* grain(Index i) { return grain_.data() + i * stride_; }
     double* entering(Index j) { return entering_.data() + j * 2 * rows_a_tile; }
-    Reach& reach(Index i) { return reach_[static_cast<std::size_t>(i)]; }
+    Reach& reach(Index i) { return reach_.data()[i]; }
     static void widen(Reach& reach, Index begin, Index end);
 
     Index bins_;

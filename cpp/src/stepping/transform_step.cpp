@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Masked fields along rows, then along columns, through pairs of lines (docs/theory/one_sweep.md, section 13).
 #include "stepping/transform_step.hpp"
 
 #include <algorithm>
 
 #include "simd/loops.hpp"
+#include "simd/pairs.hpp"
 
 namespace comminute::detail {
 namespace {
@@ -22,10 +24,11 @@ TransformStep::TransformStep(const Kernel& kernel, PlanEffort effort)
       some_stays_(kernel.fragments().mass[0] > 0.0),
       stride_(row_stride(kernel.grid().bins())),
       psi_crushing_(static_cast<std::size_t>(kernel.grid().bins() * stride_)),
-      reach_(static_cast<std::size_t>(kernel.grid().bins())) {}
+      reach_(kernel.grid().bins()) {}
 
 // Puts a share of a run's mass on a line of the pair, which it opens if need be.
-void TransformStep::push(Line*& line, double* to, double share, const double* mass, const ZoneRun& run) {
+void TransformStep::push(PairedLine*& line, double* to, double share, const double* mass,
+                         const ZoneRun& run) {
     if (share == 0.0) return;
     if (line == nullptr) {
         line = &lines_[line_count_++];
@@ -39,12 +42,12 @@ void TransformStep::push(Line*& line, double* to, double share, const double* ma
 
 // Divides row i of the state, which lies in `rest`, into what rests and what crushes in psi (to psi_crushing_),
 // psibar or both.
-void TransformStep::split_row(const Kernel& kernel, Index i, const std::vector<ZoneRun>& runs, double* rest) {
+void TransformStep::split_row(const Kernel& kernel, Index i, VectorView<const ZoneRun> runs, double* rest) {
     double* grain = psi_crushing_.data() + i * stride_;
-    std::fill_n(grain, runs.empty() ? 0 : lanes_up(runs.back().end), 0.0);
-    reach_[static_cast<std::size_t>(i)] = 0;
-    Line* neighbour = nullptr;
-    Line* both = nullptr;
+    std::fill_n(grain, runs.size() == 0 ? 0 : lanes_up(runs[runs.size() - 1].end), 0.0);
+    reach_[i] = 0;
+    PairedLine* neighbour = nullptr;
+    PairedLine* both = nullptr;
     for (const ZoneRun& whole : runs) {
         const ZoneRun run = trimmed(whole, rest);
         if (run.begin == run.end) continue;
@@ -57,7 +60,7 @@ void TransformStep::split_row(const Kernel& kernel, Index i, const std::vector<Z
         add_scaled(share.grain, rest + run.begin, grain + run.begin, count);
         push(neighbour, rest, share.neighbour, rest, run);
         push(both, grain, share.both, rest, run);
-        if (share.grain + share.both > 0.0) reach_[static_cast<std::size_t>(i)] = run.end;
+        if (share.grain + share.both > 0.0) reach_[i] = run.end;
         std::fill_n(rest + run.begin, count, 0.0);
     }
 }
@@ -85,10 +88,10 @@ void TransformStep::spread_lines() {
 // Takes eight columns of what crushes in psi into pairs.
 TransformStep::Gathered TransformStep::gather(Index begin) {
     Gathered columns;
-    const auto bins = static_cast<Index>(reach_.size());
+    const Index bins = reach_.size();
     for (Index i = 0; i < bins;) {
         Index end = i;
-        while (end < bins && reach_[static_cast<std::size_t>(end)] > begin) ++end;
+        while (end < bins && reach_[end] > begin) ++end;
         if (end > i) {
             gather_columns(psi_crushing_.data() + i * stride_ + begin, stride_, end - i,
                            spreader_.pair(0) + 2 * i, spreader_.distance(), columns.pushed.data());
@@ -123,7 +126,8 @@ void TransformStep::spread_columns(Index begin, MatrixView<double> out) {
 StepReport TransformStep::run(MatrixView<const double> p, const Kernel& kernel, ZoneRuns& runs,
                               MatrixView<double> out) {
     const Index bins = kernel.grid().bins();
-    const bool two_lines = kernel.kind() == KernelKind::exact || kernel.kind() == KernelKind::blend;
+    const KernelKind kind = kernel.options().kind;
+    const bool two_lines = kind == KernelKind::exact || kind == KernelKind::blend;
     report_ = {};
     report_.steps = 1;
     for (Index i = 0; i < bins; ++i) {

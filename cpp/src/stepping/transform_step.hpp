@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// One step with any kernel by FFT (docs/theory/one_sweep.md, section 13).
 #pragma once
 
 #include <array>
-#include <vector>
 
+#include "base/arrays.hpp"
 #include "simd/lanes.hpp"
 #include "stepping/fft_plan.hpp"
 #include "stepping/line_pairs.hpp"
@@ -27,20 +28,20 @@ class TransformStep {
         std::array<double, lanes> pushed{};
     };
 
-    void split_row(const Kernel& kernel, Index i, const std::vector<ZoneRun>& runs, double* rest);
-    void push(Line*& line, double* to, double share, const double* mass, const ZoneRun& run);
+    void split_row(const Kernel& kernel, Index i, VectorView<const ZoneRun> runs, double* rest);
+    void push(PairedLine*& line, double* to, double share, const double* mass, const ZoneRun& run);
     void spread_pair(Index q);
     void spread_lines();
     Gathered gather(Index begin);
     void spread_columns(Index begin, MatrixView<double> out);
 
     LineSpreader spreader_;
-    bool some_stays_;  // of a crush, in its own bin; never under the paper's rule
+    bool some_stays_;  // whether part of a crush stays in its own bin; never under the paper's scheme
     Index stride_;
-    LaneVector psi_crushing_;     // mass to be spread along psi: a + f *_psibar c
-    std::vector<Index> reach_;    // bins of psi_crushing's rows, from the finest, that may hold mass
-    LinePair lines_;              // of the pair at hand
-    std::size_t line_count_ = 0;  // of them that are taken, while rows are divided
+    LaneVector psi_crushing_;     // (N, stride) mass to be spread along psi: a + f *_psibar c
+    Array<Index> reach_;          // (N) bins of psi_crushing's rows, from the finest, that may hold mass
+    LinePair lines_;              // the pair at hand
+    std::size_t line_count_ = 0;  // lines of it that are taken, while rows are divided
     StepReport report_;
 };
 

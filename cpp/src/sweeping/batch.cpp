@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Many states on several threads, each by the same sweep (docs/theory/one_sweep.md, section 14).
 #include "comminute/batch.hpp"
 
 #include <algorithm>
@@ -8,8 +9,8 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "base/workers.hpp"
 #include "zones/active_band.hpp"
@@ -20,7 +21,8 @@ using namespace detail;
 
 namespace {
 
-constexpr Index states_at_a_time = 16;  // enough not to wait for each other, few enough to end together
+constexpr Index states_at_a_time =
+    16;  // so many that threads seldom wait for each other, so few that they end together
 
 std::optional<double> settled_at(const Batch& batch, Index b) {
     if (batch.settled_at.size() == 0) return std::nullopt;
@@ -64,19 +66,19 @@ void require_stack(StackView<T> stack, Index count, Index bins, const char* name
                       .rule = "states of " + std::to_string(bins * bins) + " numbers need at least that"});
 }
 
-// For what is said of memory alone: a row for every state.
+// The same memory as a matrix with one row for each state, to compare it with other memory.
 template <class T>
 MatrixView<T> by_state(StackView<T> stack) {
     return {stack.data(), stack.count(), stack.bins() * stack.bins(), stack.stride()};
 }
 
-/// Looks for entries in the crush zone that are not finite, before any state is written.
+/// Search for entries in the crush zone that are not finite, before any state is written.
 class FiniteCheck {
   public:
     FiniteCheck(const QuasiStatic& solver, const Batch& batch)
         : batch_(batch),
-          largest_(solver.grid(), solver.material(), solver.scheme()),
-          begin_(static_cast<std::size_t>(solver.grid().bins())),
+          largest_(solver.grid(), solver.material(), solver.options().scheme),
+          begin_(solver.grid().bins()),
           end_(begin_.size()) {
         double load = 0.0;
         for (Index b = 0; b < batch.states.count(); ++b) {
@@ -85,13 +87,13 @@ class FiniteCheck {
         largest_.set_load(load);
         for (Index m = 0; m < solver.grid().bins(); ++m) {
             const Index reach = m - largest_.last(m);
-            begin_[static_cast<std::size_t>(m)] = reach;
-            for (Index i = reach; i <= m; ++i) end_[static_cast<std::size_t>(i)] = m + 1;
+            begin_[m] = reach;
+            for (Index i = reach; i <= m; ++i) end_[i] = m + 1;
         }
     }
 
     bool passes(Index b) const {
-        // Zones are nested: what is finite in the largest is so in all, and that is nearly always the end of it.
+        // Zones are nested, so a state that is finite in the largest zone is finite in its own.
         if (!moves(batch_, b) || !first_bad(b, nullptr)) return true;
         const ActiveBand own = zone_of(b);
         return !first_bad(b, &own);
@@ -113,8 +115,7 @@ class FiniteCheck {
     std::optional<std::pair<Index, Index>> first_bad(Index b, const ActiveBand* zone) const {
         const MatrixView<const double> state = batch_.states[b];
         for (Index i = 0; i < state.rows(); ++i) {
-            const Index end = end_[static_cast<std::size_t>(i)];
-            for (Index j = begin_[static_cast<std::size_t>(i)]; j < end; ++j) {
+            for (Index j = begin_[i]; j < end_[i]; ++j) {
                 if (std::isfinite(state(i, j))) continue;
                 if (zone == nullptr || std::abs(i - j) <= zone->last(std::max(i, j))) return {{i, j}};
             }
@@ -124,13 +125,14 @@ class FiniteCheck {
 
     const Batch& batch_;
     ActiveBand largest_;
-    std::vector<Index> begin_;  // (N) columns of the largest zone, row by row
-    std::vector<Index> end_;
+    Array<Index> begin_;  // (N) first column of the largest zone in each row
+    Array<Index> end_;    // (N) one past the last
 };
 
-// States of one load and one before it share their zones, which cost as much as a small sweep: they take turns.
-std::vector<Index> by_load(const Batch& batch) {
-    std::vector<Index> order(static_cast<std::size_t>(batch.states.count()));
+// Order of the states by their loads, before and after: those with the same two use the same zones, which cost as much as
+// a small sweep.
+Array<Index> by_load(const Batch& batch) {
+    Array<Index> order(batch.states.count());
     std::iota(order.begin(), order.end(), Index{0});
     const auto loads = [&](Index b) {
         return std::pair(batch.stress_ratio[b], settled_at(batch, b).value_or(0.0));
@@ -204,9 +206,9 @@ bool BatchSolver::run(const Batch& batch, const BatchOptions& options, const Wor
     });
     if (refused < count) check.refuse(refused);
     if (!looked) return false;
-    const std::vector<Index> order = by_load(batch);
+    const Array<Index> order = by_load(batch);
     return for_each_state(count, options, [&](QuasiStatic& worker, Index turn) {
-        const Index b = order[static_cast<std::size_t>(turn)];
+        const Index b = order[turn];
         try {
             work(worker, b);
         } catch (const ParameterError& error) {
@@ -215,7 +217,7 @@ bool BatchSolver::run(const Batch& batch, const BatchOptions& options, const Wor
     });
 }
 
-// Blocks are handed out as they are asked for, since states under a large load take longer.
+// Threads fetch blocks of states when they are free, since states under a large load take longer.
 bool BatchSolver::for_each_state(Index count, const BatchOptions& options, const Work& work) {
     const Index blocks = (count + states_at_a_time - 1) / states_at_a_time;
     const auto threads = static_cast<std::size_t>(std::clamp<Index>(blocks, 1, options.threads));

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The quasi-static solver: zones for its loads, choice of the path, parts of a solve (docs/theory/one_sweep.md,
+// section 2).
 #include "comminute/quasi_static.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "fabric/fabric_access.hpp"
+#include "sweeping/band_sweep.hpp"
 #include "sweeping/blend_sweep.hpp"
+#include "sweeping/marginal.hpp"
 #include "sweeping/point_sweep.hpp"
 
 namespace comminute {
@@ -17,45 +20,6 @@ namespace comminute {
 using namespace detail;
 
 namespace {
-
-std::vector<double> row_sums(MatrixView<const double> state) {
-    std::vector<double> sums(static_cast<std::size_t>(state.rows()));
-    for (Index i = 0; i < state.rows(); ++i) {
-        sums[static_cast<std::size_t>(i)] = ConstLine(state.row(i), state.cols()).sum();
-    }
-    return sums;
-}
-
-// Takes the crushed mass out of each bin of a marginal and adds it where its fragments lie: one line of the sweep.
-void move_fragments(const CrushTable& table, const std::vector<double>& crushed,
-                    std::vector<double>& marginal) {
-    for (std::size_t i = 0; i < marginal.size(); ++i) marginal[0] += crushed[i] * table.below[i];
-    const Index bins = table.bins;
-    Eigen::ArrayXd sums = Eigen::ArrayXd::Zero(table.terms);
-    Index shell = 0;  // of a block
-    for (Index i = bins - 1; i >= 1; --i, ++shell) {
-        double landed = 0.0;
-        for (Index m = std::min(table.head, bins - 1 - i); m >= 1; --m) {
-            landed += table.mass[static_cast<std::size_t>(m)] * crushed[static_cast<std::size_t>(i + m)];
-        }
-        if (table.terms > 0) {
-            if (shell == table.shells_a_block) {
-                sums *= ConstLine(table.block_decay.data(), table.terms);
-                sums = (sums.abs() > 1e-290).select(sums, 0.0);
-                shell = 0;
-            }
-            const Index entering = i + table.head + 1;
-            if (entering < bins) {
-                sums += crushed[static_cast<std::size_t>(entering)] *
-                        ConstLine(table.entering_at(shell), table.terms);
-            }
-            landed += (sums * ConstLine(table.falling_at(shell), table.terms)).sum();
-        }
-        // Where all of a bin crushes the difference is nothing, and what is below 0 is rounding.
-        double& mass = marginal[static_cast<std::size_t>(i)];
-        mass = std::max(mass + landed - crushed[static_cast<std::size_t>(i)], 0.0);
-    }
-}
 
 std::string span_text(const LogGrid& grid) {
     return "from " + text(grid.psi_min()) + " to " + text(grid.psi_max()) + " in " +
@@ -67,46 +31,38 @@ std::string span_text(const LogGrid& grid) {
 struct QuasiStatic::Work {
     LogGrid grid;
     Material material;
-    Scheme scheme;
-    double rate;
-    SolvePath path;
+    QuasiStaticOptions options;
     FragmentPmf fragments;
     ExponentialSum sum;
-    double leaves;  // 1 - f_0, the share of one crush that leaves the bin
+    double leaves;  // 1 - f_0, share of one crush that leaves its bin
     CrushTable bin_by_bin;
     CrushTable by_sums;
     ActiveBand before;
     ActiveBand after;
-    double load_before = 0.0;  // of the zones at hand
+    double load_before = 0.0;  // loads of these two bands
     double load_after = 0.0;
     BandSweep sweep;
     BlendSweep blend;
     PointSweep points;
-    std::vector<double> scratch;  // a state that nobody asked for
+    Array<double> scratch;  // (N, N) the blend's state after a solve that wants the grading alone
 
-    Work(const LogGrid& g, const Material& m, Scheme s, double loading_rate, SolvePath p)
+    Work(const LogGrid& g, const Material& m, const QuasiStaticOptions& o)
         : grid(g),
           material(m),
-          scheme(s),
-          rate(loading_rate),
-          path(p),
-          fragments(fragment_pmf(m.fragments, g.spacing(), g.bins(), rule())),
-          sum(exponential_sum(m.fragments, g.spacing(), fragments, rule())),
+          options(o),
+          fragments(fragment_pmf(m.fragments, g.spacing(), g.bins(), o.scheme)),
+          sum(exponential_sum(m.fragments, g.spacing(), fragments, o.scheme)),
           leaves(fragments.below[1]),
           bin_by_bin(CrushTable::make(fragments, {}, leaves)),
           by_sums(CrushTable::make(fragments, sum, leaves)),
-          before(g, m, s),
-          after(g, m, s),
+          before(g, m, o.scheme),
+          after(g, m, o.scheme),
           sweep(g.bins()),
-          blend(fragments, loading_rate),
-          points(g, m, fragments, loading_rate) {}
+          blend(fragments, o.loading_rate),
+          points(g, m, fragments, o.loading_rate) {}
 
-    FragmentRule rule() const {
-        return scheme == Scheme::paper ? FragmentRule::paper : FragmentRule::conservative;
-    }
-
-    // A zone costs as much as a small sweep, so what is at hand stays: the same loads for many states, or, where a state
-    // goes on from the load before, the zone that it settled in.
+    // Zones cost as much as a small sweep, so they are kept from one solve to the next: for many states under the same
+    // loads, and for a load path, whose next solve starts in the zone in which the last one ended.
     void set_loads(std::optional<double> settled_at, double stress_ratio) {
         const double settled = settled_at.value_or(0.0);
         if (settled != load_before) {
@@ -121,8 +77,8 @@ struct QuasiStatic::Work {
     }
 
     const CrushTable& table() const {
-        if (by_sums.terms == 0 || path == SolvePath::direct) return bin_by_bin;
-        if (path == SolvePath::sums) return by_sums;
+        if (by_sums.terms == 0 || options.path == SolvePath::direct) return bin_by_bin;
+        if (options.path == SolvePath::sums) return by_sums;
         Index widest = 0;
         for (Index m = 0; m < grid.bins(); ++m) widest = std::max(widest, after.last(m) + 1);
         return widest > by_sums.head + 2 ? by_sums : bin_by_bin;  // by measurement
@@ -142,12 +98,14 @@ struct QuasiStatic::Work {
                               .rule = "it must be scaled to a total of 1"});
     }
 
-    /// Brings the bins to rest. `rows`, where it is wanted, is their marginal before and after.
-    SolveReport settle(MatrixView<const double> state, const std::vector<OuterProduct>& arrivals,
-                       std::vector<double>* rows, MatrixView<double>* out) {
+    /// Brings the bins to rest.
+    /// @param rows  (N) mass by grainsize before, replaced by that after; null where it is not wanted
+    /// @param out   (N, N) state after; null where it is not wanted
+    SolveReport settle(MatrixView<const double> state, const Arrivals& arrivals, std::vector<double>* rows,
+                       MatrixView<double>* out) {
         SolveReport report;
-        if (rate > 0.0) {
-            scratch.resize(out == nullptr ? static_cast<std::size_t>(grid.bins() * grid.bins()) : 0);
+        if (options.loading_rate > 0.0) {
+            scratch.resize(out == nullptr ? grid.bins() * grid.bins() : 0);
             const MatrixView<double> to =
                 out != nullptr ? *out : MatrixView<double>(scratch.data(), grid.bins(), grid.bins());
             blend.run(before, after, state, arrivals, to);
@@ -161,8 +119,8 @@ struct QuasiStatic::Work {
         const CrushTable& by = table();
         sweep.run(by, before, after, state, arrivals, out);
         require_finite_sum(state, sweep.crushed() + sweep.crushed_neighbour());
-        if (out != nullptr) sweep.far_field(by, state, arrivals, *out);
-        if (rows != nullptr) move_marginal(by, arrivals, *rows);
+        if (out != nullptr) sweep.far_field(state, arrivals, *out);
+        if (rows != nullptr) move_marginal(by, arrivals, sweep.crushed_rows(), *rows);
         report.path = by.terms > 0 ? SolvePath::sums : SolvePath::direct;
         report.terms = by.terms > 0 ? static_cast<Index>(sum.coefficient.size()) : 0;
         report.head = by.head;
@@ -172,34 +130,24 @@ struct QuasiStatic::Work {
         return report;
     }
 
-    void move_marginal(const CrushTable& by, const std::vector<OuterProduct>& arrivals,
-                       std::vector<double>& rows) const {
-        for (const OuterProduct& from : arrivals) {
-            const double partners = std::accumulate(from.psibar.begin(), from.psibar.end(), 0.0);
-            for (std::size_t i = 0; i < rows.size(); ++i) rows[i] += from.psi[i] * partners;
-        }
-        move_fragments(by, sweep.crushed_rows(), rows);
-    }
-
-    /// Everything but the numbers of the bins, which go to `out` where that is given.
-    FabricAccess::Data settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
-                              SolveReport& report) {
+    /// Brings points and bins to rest. Returns all data of the fabric after but its bins, which go to `out`.
+    FabricParts settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
+                       SolveReport& report) {
         set_loads(state.settled_at(), stress_ratio);
         points.run(state, stress_ratio);
-        std::vector<double> rows = FabricAccess::rows(state);
+        std::vector<double> rows = state.parts().rows;
         report = settle(state.probability(), points.arrivals(), &rows, out);
         report.crushed += points.crushed();
         report.crushed_neighbour += points.crushed_neighbour();
 
-        FabricAccess::Data data{
-            grid, {}, points.atoms(), points.ridges(), stress_ratio, state.mean(), rows, rows, {}, {}};
-        for (const Ridge& ridge : data.ridges) {
+        FabricParts parts{grid, {}, points.atoms(), points.ridges(), stress_ratio, state.mean(), rows,
+                          rows, {}};
+        for (const Ridge& ridge : parts.ridges) {
             if (ridge.exact != Axis::neighbour) continue;
-            Line(data.spread.data(), grid.bins()) += ConstLine(ridge.mass.data(), grid.bins());
+            Line(parts.spread.data(), grid.bins()) += ConstLine(ridge.mass.data(), grid.bins());
         }
-        data.points = exact_sizes(data.atoms, data.ridges);
-        data.grainsize = with_points(grid, data.spread, data.points);
-        return data;
+        parts.points = exact_sizes(parts.atoms, parts.ridges);
+        return parts;
     }
 
     Fabric known(const Fabric& state) const {
@@ -210,16 +158,15 @@ struct QuasiStatic::Work {
                                   .rule = "the solver's runs " + span_text(grid),
                                   .remedy = Remedy::use_same_grid});
         }
-        return scheme == Scheme::paper ? state.binned() : state;
+        return options.scheme == Scheme::paper ? state.binned() : state;
     }
 
-    std::vector<double> new_state() const {
-        return std::vector<double>(static_cast<std::size_t>(grid.bins() * grid.bins()));
-    }
+    std::vector<double> new_state() const { return Array<double>(grid.bins() * grid.bins()).vector(); }
 };
 
-QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, Scheme scheme, double loading_rate,
-                         SolvePath path) {
+QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, const QuasiStaticOptions& options) {
+    const double loading_rate = options.loading_rate;
+    const SolvePath path = options.path;
     material.validate();
     require(loading_rate >= 0.0 && loading_rate <= 1.0, "loading_rate", loading_rate, "between 0 and 1");
     if (path == SolvePath::blend || path == SolvePath::none) {
@@ -227,7 +174,7 @@ QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, Scheme s
                               .value = path == SolvePath::blend ? "blend" : "none",
                               .rule = "a solve only reports that; it must be automatic, direct or sums"});
     }
-    work_ = std::make_unique<Work>(grid, material, scheme, loading_rate, path);
+    work_ = std::make_unique<Work>(grid, material, options);
 }
 
 QuasiStatic::~QuasiStatic() = default;
@@ -245,14 +192,8 @@ const LogGrid& QuasiStatic::grid() const {
 const Material& QuasiStatic::material() const {
     return work_->material;
 }
-Scheme QuasiStatic::scheme() const {
-    return work_->scheme;
-}
-double QuasiStatic::loading_rate() const {
-    return work_->rate;
-}
-SolvePath QuasiStatic::path() const {
-    return work_->path;
+const QuasiStaticOptions& QuasiStatic::options() const {
+    return work_->options;
 }
 
 Fabric QuasiStatic::solve(const Fabric& given, double stress_ratio, SolveReport* report) {
@@ -264,9 +205,9 @@ Fabric QuasiStatic::solve(const Fabric& given, double stress_ratio, SolveReport*
     if (state.settled_at() && stress_ratio <= *state.settled_at()) return state;
     std::vector<double> probability = work_->new_state();
     MatrixView<double> out(probability.data(), grid().bins(), grid().bins());
-    FabricAccess::Data data = work_->settle(state, stress_ratio, &out, said);
-    data.probability = std::move(probability);
-    return FabricAccess::make(std::move(data));
+    FabricParts parts = work_->settle(state, stress_ratio, &out, said);
+    parts.probability = std::move(probability);
+    return FabricAccess::make(std::move(parts));
 }
 
 Marginal QuasiStatic::marginal(const Fabric& given, double stress_ratio) {
@@ -278,9 +219,9 @@ Marginal QuasiStatic::marginal(const Fabric& given, double stress_ratio) {
         marginal.points = state.points();
         return marginal;
     }
-    FabricAccess::Data data = work_->settle(state, stress_ratio, nullptr, marginal.report);
-    marginal.grainsize = std::move(data.grainsize);
-    marginal.points = std::move(data.points);
+    FabricParts parts = work_->settle(state, stress_ratio, nullptr, marginal.report);
+    marginal.grainsize = with_points(grid(), std::move(parts.spread), parts.points);
+    marginal.points = std::move(parts.points);
     return marginal;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The table of shares, filled a pack of shells at a time (docs/theory/one_sweep.md, section 3).
 #include "zones/active_band.hpp"
 
 #include <algorithm>
@@ -11,9 +12,9 @@ ActiveBand::ActiveBand(const LogGrid& grid, const Material& material, Scheme sch
       material_(material),
       scheme_(scheme),
       zones_(grid, material, 0.0),
-      full_(static_cast<std::size_t>(grid.bins()), 0),
-      last_(static_cast<std::size_t>(grid.bins()), -1),
-      first_partial_(static_cast<std::size_t>(grid.bins()), 0) {}
+      full_(grid.bins(), 0),
+      last_(grid.bins(), -1),
+      first_partial_(grid.bins(), 0) {}
 
 void ActiveBand::clear() {
     std::fill(full_.begin(), full_.end(), 0);
@@ -26,8 +27,8 @@ void ActiveBand::set_load(double stress_ratio) {
     if (scheme_ == Scheme::paper) {
         zones_.set_load(stress_ratio);
         for (Index m = 1; m < grid_.bins(); ++m) {
-            last_[static_cast<std::size_t>(m)] = zones_.band(m);
-            full_[static_cast<std::size_t>(m)] = zones_.band(m) + 1;
+            last_[m] = zones_.band(m);
+            full_[m] = zones_.band(m) + 1;
         }
         return;
     }
@@ -36,24 +37,25 @@ void ActiveBand::set_load(double stress_ratio) {
     for (Index begin = 0; begin < grid_.bins(); begin += lanes) set_shells(zones, begin);
 }
 
-// Shells from one on, as many as there are lanes; shell 0, fines among fines, rests.
+// Sets a pack of shells from `begin` on. Shell 0, fines among fines, is always at rest.
 void ActiveBand::set_shells(const ShellZones& zones, Index begin) {
     const ShellZones::Extents extents = zones.extents(begin);
-    const auto end = static_cast<std::size_t>(std::min(lanes, grid_.bins() - begin));
+    const Index first = begin == 0 ? 1 : 0;
+    const Index end = std::min(lanes, grid_.bins() - begin);
+    const VectorView<const Index> whole(extents.whole.data(), lanes);
+    const VectorView<const Index> last(extents.last.data(), lanes);
     Index rows = 0;
-    for (std::size_t l = begin == 0 ? 1 : 0; l < end; ++l) {
-        rows = std::max(rows, extents.last[l] + 1 - extents.whole[l]);
-    }
-    shares_.resize(std::max(shares_.size(), static_cast<std::size_t>(rows * lanes)));
+    for (Index l = first; l < end; ++l) rows = std::max(rows, last[l] + 1 - whole[l]);
+    shares_.resize(std::max(shares_.size(), rows * lanes));
     zones.shares(begin, extents.whole, rows, shares_.data());
-    for (std::size_t l = begin == 0 ? 1 : 0; l < end; ++l) {
-        const auto m = static_cast<std::size_t>(begin) + l;
+    for (Index l = first; l < end; ++l) {
+        const Index m = begin + l;
         const double* const share = shares_.data() + l;
-        Index partly = std::max(extents.last[l] + 1 - extents.whole[l], Index{0});
+        Index partly = std::max(last[l] + 1 - whole[l], Index{0});
         while (partly > 0 && share[(partly - 1) * lanes] == 0.0) --partly;
-        full_[m] = extents.whole[l];
-        last_[m] = extents.whole[l] + partly - 1;
-        first_partial_[m] = static_cast<Index>(partial_.size());
+        full_[m] = whole[l];
+        last_[m] = whole[l] + partly - 1;
+        first_partial_[m] = partial_.size();
         for (Index row = 0; row < partly; ++row) partial_.push_back(share[row * lanes]);
     }
 }

@@ -1,33 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Active shares of all cells under one load (docs/theory/one_sweep.md, section 3).
 #pragma once
 
-#include <vector>
-
+#include "base/arrays.hpp"
 #include "comminute/criterion.hpp"
-#include "comminute/quasi_static.hpp"
+#include "comminute/material.hpp"
+#include "comminute/scheme.hpp"
 #include "zones/shell_zone.hpp"
 
 namespace comminute::detail {
 
 /// Share of each cell that the slow rule moves under one load, shell by shell: 1 up to a distance |i - j|, partial
-/// shares in a few cells further out, 0 beyond. The one table behind every quasi-static path, of either scheme.
+/// shares in a few cells further out, 0 beyond. Every quasi-static path, under either scheme, reads this one table.
 class ActiveBand {
   public:
     ActiveBand(const LogGrid& grid, const Material& material, Scheme scheme);
 
-    /// No load: nothing is active.
+    /// Removes the load: nothing is active.
     void clear();
+    /// Computes the shares under another load; 0 is no load.
     void set_load(double stress_ratio);
 
     /// Number of distances, from 0 on, at which the whole cell of shell m moves.
-    Index full(Index m) const { return full_[static_cast<std::size_t>(m)]; }
+    Index full(Index m) const { return full_[m]; }
     /// Largest distance at which some of the cell moves; -1 where nothing does.
-    Index last(Index m) const { return last_[static_cast<std::size_t>(m)]; }
+    Index last(Index m) const { return last_[m]; }
+    /// Share of the cells of shell m at this distance that moves.
     double share(Index m, Index distance) const {
         if (distance < full(m)) return 1.0;
         if (distance > last(m)) return 0.0;
-        return partial_[static_cast<std::size_t>(first_partial_[static_cast<std::size_t>(m)] + distance -
-                                                 full(m))];
+        return partial_[first_partial_[m] + distance - full(m)];
     }
 
   private:
@@ -37,11 +39,11 @@ class ActiveBand {
     Material material_;
     Scheme scheme_;
     CrushZones zones_;
-    std::vector<Index> full_;
-    std::vector<Index> last_;
-    std::vector<Index> first_partial_;
-    std::vector<double> partial_;
-    std::vector<double> shares_;  // of the shells at hand
+    Array<Index> full_;           // (N)
+    Array<Index> last_;           // (N)
+    Array<Index> first_partial_;  // (N) place of the first partial share of each shell
+    Array<double> partial_;       // partial shares of all shells, one shell after the other
+    Array<double> shares_;        // (rows, lanes) of the shells at hand
 };
 
 }  // namespace comminute::detail

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Crushing criterion and crush zones, tested at exact places and bin centres (docs/theory/one_sweep.md, section 1).
 #include "comminute/criterion.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "zones/shell_zone.hpp"
 
@@ -57,8 +59,8 @@ double stress_ratio_at(const Material& material, double logspace_load) {
 CrushZones::CrushZones(const LogGrid& grid, const Material& material, double stress_ratio)
     : grid_(grid),
       material_(material),
-      band_(static_cast<std::size_t>(grid.bins())),
-      overlap_(static_cast<std::size_t>(grid.bins())) {
+      band_(Array<Index>(grid.bins()).vector()),
+      overlap_(Array<Index>(grid.bins()).vector()) {
     material_.validate();
     strength_ = 3.0 / material_.weibull_modulus;
     log_reference_ = std::log(material_.reference_size);
@@ -73,7 +75,7 @@ bool CrushZones::crushes(double psi, double distance) const {
     if (log_load_ == -infinity) return false;
     const double contrast = distance / material_.fabric_width;
     const double cushion = 0.5 * contrast * contrast;
-    if (std::isinf(cushion)) return false;  // a fabric so narrow that its square underflows
+    if (std::isinf(cushion)) return false;  // the square of so narrow a fabric underflows
     const double rounding = strength_ * magnitude_ + contrast * magnitude_ / material_.fabric_width;
     const double slack = 8.0 * epsilon * (std::abs(log_load_) + rounding);
     return log_load_ + strength_ * (psi - log_reference_) + slack >= cushion;
@@ -84,7 +86,9 @@ void CrushZones::set_load(double stress_ratio) {
     stress_ratio_ = stress_ratio;
     log_load_ = std::log(stress_ratio);
     const double h = grid_.spacing();
-    band_[0] = overlap_[0] = -1;
+    const VectorView<Index> band(band_);
+    const VectorView<Index> overlap(overlap_);
+    band[0] = overlap[0] = -1;
     for (Index m = 1; m < grid_.bins(); ++m) {
         const double psi = grid_.centre(m);
         const auto larger = [&](Index d) { return crushes(psi, static_cast<double>(d) * h); };
@@ -95,9 +99,9 @@ void CrushZones::set_load(double stress_ratio) {
         Index d = static_cast<Index>(std::clamp(half_width(psi) / h, -1.0, static_cast<double>(m)));
         while (d < m && larger(d + 1)) ++d;
         while (d >= 0 && !larger(d)) --d;
-        band_[static_cast<std::size_t>(m)] = d;
+        band[m] = d;
         while (d >= 0 && !smaller(d)) --d;
-        overlap_[static_cast<std::size_t>(m)] = d;
+        overlap[m] = d;
     }
 }
 
@@ -146,13 +150,13 @@ void active_share(const LogGrid& grid, const Material& material, double stress_r
     require_square(share, grid.bins(), "share");
     const Index bins = grid.bins();
     const ShellZones zones(grid, material, std::log(stress_ratio));
-    std::vector<double> of_shells(static_cast<std::size_t>((bins + lanes) * lanes));
+    Array<double> of_shells((bins + lanes) * lanes);  // (distances, lanes)
     for (Index begin = 0; begin < bins; begin += lanes) {
         const Index end = std::min(begin + lanes, bins);
         zones.shares(begin, {}, end, of_shells.data());
         for (Index m = begin; m < end; ++m) {
             for (Index d = 0; d <= m; ++d) {
-                const double of_cell = of_shells[static_cast<std::size_t>(d * lanes + m - begin)];
+                const double of_cell = of_shells[d * lanes + m - begin];
                 share(m, m - d) = share(m - d, m) = m == 0 ? 0.0 : of_cell;
             }
         }

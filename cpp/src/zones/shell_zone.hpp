@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Part of a cell that lies inside the zone, exactly (docs/theory/one_sweep.md, section 3).
 #pragma once
 
 #include <array>
@@ -12,31 +13,28 @@ namespace comminute::detail {
 /// Log size of the smallest grain that crushes among equals under a load, the tip of the zone.
 double zone_onset(const Material& material, double log_stress_ratio);
 
-/// The slow crush zone across the cells of the shells, as many shells at a time as there are lanes.
-///
-/// In lengths of bins, and with the larger grain at t from its bin's centre, t in [-1/2, 1/2], the zone's half-width is
-/// omega(t) = sqrt(steepness (t - tip)), tip the place of its onset and steepness k / h, k of Eq. 15.
+/// The slow crush zone under one load across the cells of the shells, `lanes` shells at a time. simd/zone_shares.hpp has
+/// its geometry; the limits of a zone that reaches everything, or has no width, are here.
 class ShellZones {
   public:
     using Distances = std::array<Index, lanes>;
-    /// Distances |i - j| whose cells surely lie in the zone as a whole, 0 up to less than `whole`, and the largest beyond
-    /// which they surely lie outside, -1 where all of them do.
+    /// Distances |i - j| that bound the zone in each shell.
     struct Extents {
-        Distances whole;
-        Distances last;
+        Distances whole;  ///< cells nearer than this surely lie in the zone as a whole
+        Distances last;   ///< cells further out than this surely lie outside; -1 where all of them do
     };
 
     ShellZones(const LogGrid& grid, const Material& material, double log_stress_ratio);
 
-    /// Of the shells from m on; no distance goes beyond a shell's own index.
+    /// Bounds for the pack of shells from m on, none beyond a shell's own index.
     Extents extents(Index m) const;
-    /// Shares of the areas of cells that lie inside, with no error but rounding: (rows, lanes), those of shell m + lane at
-    /// the distances first[lane] + row.
+    /// Shares of the areas of cells that lie inside, with no error but rounding.
+    /// @param share  (rows, lanes) out: shell m + lane at the distance first[lane] + row
     void shares(Index m, const Distances& first, Index rows, double* share) const;
 
   private:
-    double tip_;  // of shell 0
-    double steepness_;
+    double tip_;        // place of the onset, in bins from the centre of bin 0
+    double steepness_;  // k / h
 };
 
 }  // namespace comminute::detail

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Runs of one row from the zones of the shells it crosses (docs/theory/one_sweep.md, section 13).
 #include "zones/zone_runs.hpp"
 
 #include <algorithm>
 
 namespace comminute::detail {
 
-ZoneRuns::ZoneRuns(const CrushZones& zones) : zones_(zones) {
-    runs_.reserve(static_cast<std::size_t>(zones.grid().bins()));
-    set_load();
-}
+ZoneRuns::ZoneRuns(const LogGrid& grid, const Material& material)
+    : zones_(grid, material, 0.0), runs_(grid.bins()) {}
 
-void ZoneRuns::set_load() {
+void ZoneRuns::set_load(double stress_ratio) {
+    zones_.set_load(stress_ratio);
     widest_ = -1;
     for (Index m = 0; m < zones_.grid().bins(); ++m) widest_ = std::max(widest_, zones_.band(m));
 }
 
 void ZoneRuns::add(Index begin, Index end, Zone zone) {
-    if (begin < end) runs_.push_back({begin, end, zone});
+    if (begin < end) runs_[count_++] = {begin, end, zone};
 }
 
-// Towards finer neighbours the row's own shell decides, and either zone is one interval; towards coarser ones each
-// cell's shell does.
-const std::vector<ZoneRun>& ZoneRuns::of_row(Index i) {
-    runs_.clear();
+// Cells with a finer neighbour belong to the row's own shell, so that either zone is one interval of them. A cell with a
+// coarser neighbour belongs to the shell of its column.
+VectorView<const ZoneRun> ZoneRuns::of_row(Index i) {
+    count_ = 0;
     const Index both = i - std::max(zones_.overlap(i), Index{0});
     add(i - std::max(zones_.band(i), Index{0}), both, Zone::grain);
     add(both, i, Zone::both);
@@ -35,7 +35,7 @@ const std::vector<ZoneRun>& ZoneRuns::of_row(Index i) {
         }
         if (zone != Zone::rest) add(begin, j, zone);
     }
-    return runs_;
+    return {runs_.data(), count_};
 }
 
 }  // namespace comminute::detail

@@ -1,38 +1,40 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Active cells of a row as runs of one zone, for the engines that step (docs/theory/one_sweep.md, section 13).
 #pragma once
 
-#include <vector>
-
+#include "base/arrays.hpp"
 #include "comminute/criterion.hpp"
 
 namespace comminute::detail {
 
-/// Cells of a row side by side that lie in one zone and do the same; none of them is the diagonal cell with others.
+/// Cells of a row, side by side, that lie in one zone and crush alike. The diagonal cell, where either grain may crush,
+/// is a run of its own.
 struct ZoneRun {
-    Index begin;
-    Index end;
-    Zone zone;
+    Index begin = 0;
+    Index end = 0;
+    Zone zone = Zone::rest;
 };
 
-/// The active cells of a row of the state, as runs. One object per thread; finding them allocates nothing.
+/// The crush zones under one load, and the active cells of each row of the state as runs. One object per thread; finding
+/// them allocates nothing.
 class ZoneRuns {
   public:
-    /// @param zones  must outlive it
-    explicit ZoneRuns(const CrushZones& zones);
-    ZoneRuns(const ZoneRuns&) = delete;
-    ZoneRuns& operator=(const ZoneRuns&) = delete;
+    /// No load: every cell is at rest.
+    ZoneRuns(const LogGrid& grid, const Material& material);
 
-    /// To be called once the zones have another load.
-    void set_load();
-    /// The runs of row i, fine to coarse; valid until the next call.
-    const std::vector<ZoneRun>& of_row(Index i);
+    const CrushZones& zones() const { return zones_; }
+    /// @throws ParameterError for a bad load
+    void set_load(double stress_ratio);
+    /// Runs of row i, fine to coarse; valid until the next call.
+    VectorView<const ZoneRun> of_row(Index i);
 
   private:
     void add(Index begin, Index end, Zone zone);
 
-    const CrushZones& zones_;
-    Index widest_ = -1;  // distance |i - j| that is active
-    std::vector<ZoneRun> runs_;
+    CrushZones zones_;
+    Index widest_ = -1;    // largest distance |i - j| that is active
+    Array<ZoneRun> runs_;  // (N) room for the runs of a row, each of which has a cell or more
+    Index count_ = 0;      // runs of the row at hand
 };
 
 }  // namespace comminute::detail

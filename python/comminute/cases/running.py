@@ -11,20 +11,21 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from comminute import simulation
-from comminute._core import ParameterError, remix
+from comminute._core import ParameterError
 from comminute.cases.reading import ReadyCase, case_of_text
-from comminute.files.storage import open_result, require_netcdf, save_netcdf
-from comminute.runs import continuing
-from comminute.runs.load_path import load_path
+from comminute.files.storage import require_netcdf, save_netcdf
+from comminute.opening import open_result
+from comminute.result import Interrupted, Result, run_again
+from comminute.runs.continuum import Setup, continuum_run, recipe_of, setup_of
+from comminute.runs.load_path import load_path, wanted_fabrics
+from comminute.runs.outcomes import Outcome
+from comminute.runs.path_run import PathRun
 from comminute.runs.recipe import Recipe
-from comminute.runs.remarks import ResolutionWarning, resolution_warnings
+from comminute.runs.remarks import ResolutionWarning
 from comminute.util.errors import wrong_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
-
-    from comminute.result import Result
 
 LOADS_TO_SAVES = 4.0  # time spent on loads to time spent on saving what is finished
 
@@ -109,7 +110,10 @@ def run_case(
     result = earlier
     saved, cost, written = time.monotonic(), 0.0, False
     try:
-        for result in _loads(case, earlier):
+        run = _path_run(case, earlier)
+        for _ in run:
+            result = run.result()
+            assert result is not None
             if on_load is not None:
                 on_load(result)
             begun = time.monotonic()
@@ -118,75 +122,48 @@ def run_case(
                 saved = time.monotonic()
                 cost = saved - begun
         assert result is not None
-        done = _wanted_fabrics(result, case)
+        wanted = _wanted(case)
+        fabrics = tuple(fabric if k in wanted else None for k, fabric in enumerate(result.fabrics))
+        done = dataclasses.replace(result, fabrics=fabrics)
         save_netcdf(done, case.target)
         written = True
         part_of(case.target).unlink(missing_ok=True)
     except KeyboardInterrupt:
         if result is not None and not written:
             save_netcdf(result, part_of(case.target))
-        raise simulation.Interrupted(result) from None
+        raise Interrupted(result) from None
     for warning in done.warnings:
         warnings.warn(warning, ResolutionWarning, stacklevel=2)
     return done
 
 
-def _loads(case: ReadyCase, earlier: Result | None) -> Iterator[Result]:
-    """Run load by load, each from the fabric after the last one, so that a file in between changes no bit."""
+def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Outcome, Result]:
+    """Run of a case, each load from the fabric after the last one, so that a file in between changes no bit.
+
+    It keeps the fabrics that the case asks for, and while it runs the last one, to go on from.
+    """
     load, engine = case.resolved.load, case.resolved.engine
     ratio, stress = load.stress_ratio, load.stress
     path = load_path(case.material, ratio, stress, load.loading_rate, load.remix_after)  # type: ignore[arg-type]
-    sim = case.simulation()
-    recipe = Recipe(
-        (),
-        (),
-        engine.name,
-        engine.kind,
-        engine.steps_per_load,
-        by_stress=path.by_stress,
+    recipe = Recipe.of(
+        path,
+        engine=engine.name,
+        kind=engine.kind,
+        steps_per_load=engine.steps_per_load,
         stress_unit=case.resolved.units.stress,
         case=case.text(),
     )
-    whole = earlier
-    if whole is None:
-        fabric = sim.initial_fabric(float(path.stress_ratio.max()))
-        start = fabric
+    if earlier is None:
+        start = case.simulation().initial_fabric(float(path.stress_ratio.max()))
+        setup = Setup(case.material, start, engine.scheme, case.grading.unit, case.grading.notes)
     else:
-        fabric = continuing.next_start(whole)
-        start = whole.start
-    first = 0 if whole is None else whole.stress_ratio.size
-    for k in range(first, path.stress_ratio.size):
-        part = continuing.one_load(case.material, sim.scheme, fabric, path, k, recipe)
-        fabric = part.fabric(0)
-        remixed = k in path.remix_after
-        if remixed:
-            fabric = remix(fabric)
-        if whole is None:
-            whole = _first(part, case, start, recipe, remixed=remixed)
-        else:
-            whole = continuing.joined(whole, part, keep=True, remixed=remixed)
-        whole = _wanted_fabrics(whole, case, running=True)
-        yield whole
+        setup = setup_of(earlier)
+    return continuum_run(Result, setup, path, recipe, wanted=_wanted(case), keep_latest=True, earlier=earlier)
 
 
-def _first(part: Result, case: ReadyCase, start: Any, recipe: Recipe, *, remixed: bool) -> Result:
-    """Give the result of the first load with the labels of the case."""
-    own = continuing.recipe_of(part)
-    recipe = dataclasses.replace(recipe, loading_rate=own.loading_rate, remix_after=(0,) if remixed else ())
-    unit = case.grading.unit
-    found = resolution_warnings(part.grid, part.material, part.stress_ratio, part.pmf, unit)
-    notes = (*case.grading.notes, *part.notes)
-    return dataclasses.replace(part, start=start, unit=unit, notes=notes, warnings=tuple(found), recipe=recipe)
-
-
-def _wanted_fabrics(result: Result, case: ReadyCase, *, running: bool = False) -> Result:
-    """Keep the fabrics that the case asks for, and while it runs the last one, to go on from."""
-    loads = result.stress_ratio.size
-    wanted = case.resolved.output.fabrics
-    kept = set(range(loads)) if wanted == "all" else {loads - 1} if isinstance(wanted, str) else set(wanted)
-    kept |= {loads - 1} if running else set()
-    fabrics = tuple(fabric if k in kept else None for k, fabric in enumerate(result.fabrics))
-    return dataclasses.replace(result, fabrics=fabrics)
+def _wanted(case: ReadyCase) -> frozenset[int]:
+    """Find the loads whose fabric a case asks for."""
+    return wanted_fabrics(case.resolved.output.fabrics, len(next(iter(case.loads().values()))))
 
 
 def run_file_again(file: Path, target: Path) -> tuple[Result, bool]:
@@ -204,11 +181,11 @@ def run_file_again(file: Path, target: Path) -> tuple[Result, bool]:
         For a file that is no result.
     """
     result = open_result(file)
-    recipe = continuing.recipe_of(result)
+    recipe = recipe_of(result)
     if recipe.case:
         again = run_case(case_of_text(recipe.case, target))
     else:
-        again = continuing.run_again(result)
+        again = run_again(result)
         save_netcdf(again, target)
     return again, again == result
 

@@ -8,17 +8,32 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-import comminute as cm
-from comminute import _core
+from comminute._core import (
+    Grading,
+    LogNormalFragments,
+    Material,
+    PowerLawFragments,
+    WeibullFragments,
+    defaults,
+    fuller,
+    gap_graded,
+    log_uniform,
+    lognormal,
+    monodisperse,
+    power_law,
+    rosin_rammler,
+    uniform_size,
+)
 from comminute.gradings.reading import Top
+from comminute.simulation import Simulation
 from comminute.util.choices import EngineName, Kind, Mean, Scheme
 
 Rest = int | Literal["rest"]
-MATERIAL = cm.Material()
-WEIBULL, POWER, LOGNORMAL = cm.WeibullFragments(), cm.PowerLawFragments(), cm.LogNormalFragments()
-SIEVES = _core.defaults["from_sieves"]
-RUN = {name: p.default for name, p in inspect.signature(cm.Simulation.run).parameters.items()}
-SIMULATION = {name: p.default for name, p in inspect.signature(cm.Simulation).parameters.items()}
+MATERIAL = Material()
+WEIBULL, POWER, LOGNORMAL = WeibullFragments(), PowerLawFragments(), LogNormalFragments()
+SIEVES = defaults["from_sieves"]
+RUN = {name: p.default for name, p in inspect.signature(Simulation.run).parameters.items()}
+SIMULATION = {name: p.default for name, p in inspect.signature(Simulation).parameters.items()}
 MOST_BINS = 10_000
 
 
@@ -119,7 +134,7 @@ class GapGraded(Table):
     kind: Literal["gap-graded"]
     coarse: float
     fine: float
-    coarse_share: float = _core.defaults["gap_graded"]["coarse_share"]
+    coarse_share: float = defaults["gap_graded"]["coarse_share"]
 
 
 class PowerLawGrading(Table):
@@ -144,7 +159,7 @@ class Fuller(Table):
 
     kind: Literal["fuller"]
     largest: float
-    exponent: float = _core.defaults["fuller"]["exponent"]
+    exponent: float = defaults["fuller"]["exponent"]
 
 
 class LogNormalGrading(Table):
@@ -249,13 +264,13 @@ class Case(Table):
     output: OutputTable = OutputTable()
 
 
-MAKERS: dict[str, Callable[..., cm.Grading]] = {
-    "monodisperse": cm.monodisperse,
-    "gap-graded": cm.gap_graded,
-    "power-law": cm.power_law,
-    "uniform-size": cm.uniform_size,
-    "log-uniform": cm.log_uniform,
-    "fuller": cm.fuller,
-    "lognormal": cm.lognormal,
-    "rosin-rammler": cm.rosin_rammler,
+MAKERS: dict[str, Callable[..., Grading]] = {
+    "monodisperse": monodisperse,
+    "gap-graded": gap_graded,
+    "power-law": power_law,
+    "uniform-size": uniform_size,
+    "log-uniform": log_uniform,
+    "fuller": fuller,
+    "lognormal": lognormal,
+    "rosin-rammler": rosin_rammler,
 }

@@ -24,9 +24,8 @@ from comminute.cases.running import (
     summary,
 )
 from comminute.cli import texts as cli_texts
-from comminute.result import Result
+from comminute.result import Interrupted, Result
 from comminute.runs.remarks import ResolutionWarning
-from comminute.simulation import Interrupted
 from comminute.util.errors import parameter_error
 from comminute.util.names import shorten
 

@@ -11,7 +11,7 @@ from comminute import plotting
 from comminute._core import ParameterError
 from comminute.cli.messages import WORDS
 from comminute.cli.stats import read_sieve_table, require_no_options
-from comminute.files.storage import open_result
+from comminute.opening import open_result
 from comminute.plotting import everyday as everyday_plots
 from comminute.util.errors import parameter_error, reworded
 from comminute.util.whole_files import write_whole

@@ -9,13 +9,13 @@ from typing import Any
 from comminute._core import Grading, ParameterError
 from comminute.cli.marks import cell_of, footnotes, marks_of
 from comminute.cli.messages import WORDS
-from comminute.files.storage import open_result
 from comminute.gradings.breakage import breakage_index, breakage_potential, relative_breakage
 from comminute.gradings.curves import SizeCurve
 from comminute.gradings.indices import curvature, fines_share, folk_ward, phi, uniformity
 from comminute.gradings.options import Reading
 from comminute.gradings.reading import SIEVES, Top, read_sieves
 from comminute.gradings.sieves import convert, unit_of
+from comminute.opening import open_result
 from comminute.runs.remarks import load_labels
 from comminute.util.errors import parameter_error, reworded
 

@@ -28,14 +28,14 @@ def columns(what: str, rows: Sequence[Sequence[float]], names: dict[str, str]) -
 
 
 def rows_of(values: Arrays, what: str, names: Sequence[str]) -> Iterator[tuple[float, ...]]:
-    """Rows of a table that `columns` made."""
+    """Rows of a table that `columns` made; none where the file has no such table."""
     if f"{what}_{names[0]}" in values:
         for row in zip(*(values[f"{what}_{name}"] for name in names), strict=True):
             yield tuple(float(x) for x in row)
 
 
 def fabric_variables(fabrics: dict[int, Fabric]) -> dict[str, Any]:
-    """Everything that fabrics are made of but their grid and mean, by the load after which they were kept."""
+    """Variables of fabrics, by the load after which each was kept: all their parts but grid and mean."""
     mass = {"units": "1"}
     text = "mass fraction by grainsize and neighbourhood grainsize"
     kept = [k for k in fabrics if k != START]
@@ -51,13 +51,13 @@ def fabric_variables(fabrics: dict[int, Fabric]) -> dict[str, Any]:
         about = {"long_name": "stress ratio under which the fabric is at rest, NaN if none", "units": "1"}
         found["settled_at"] = ("fabric_load", np.array(settled), about)
     found |= _exact_variables(fabrics)
-    marginals = {k: dict(zip(("rows", "spread"), fabric.carried()[:2], strict=True)) for k, fabric in fabrics.items()}
+    marginals = {k: dict(zip(("rows", "spread"), fabric._carried()[:2], strict=True)) for k, fabric in fabrics.items()}
     for name in ("rows", "spread"):
         about = {"long_name": f"carried marginal, {name}: bit for bit what the next load starts from", **mass}
         found[f"start_{name}"] = ("psi", marginals[START][name], about)
         if kept:
             found[f"carried_{name}"] = (("fabric_load", "psi"), np.stack([marginals[k][name] for k in kept]), about)
-    points = [[k, *point] for k, fabric in fabrics.items() for point in fabric.carried()[2]]
+    points = [[k, *point] for k, fabric in fabrics.items() for point in fabric._carried()[2]]
     names = {"load": "load index, -1 for the start,", "psi": "exact log grainsize", "mass": "mass fraction"}
     return found | columns("carried_point", points, names)
 
@@ -82,7 +82,7 @@ def fabrics_of(
 ) -> dict[int, Fabric]:
     """Fabrics of the variables that `fabric_variables` made, by load; START is the start.
 
-    `settled_at` has the load at which each is at rest, NaN for none.
+    `settled_at` has, for each fabric, the load at which it is at rest; NaN for none.
     """
     atoms: dict[int, list[Atom]] = {k: [] for k in settled_at}
     for load, psi, psibar, mass in rows_of(values, "atom", ("load", "psi", "psibar", "mass")):
@@ -103,5 +103,5 @@ def fabrics_of(
         }
         rest = None if np.isnan(at) else at
         fabric = Fabric(grid, of["fabric"], atoms[load], settled_at=rest, mean=mean, ridges=ridges[load])
-        found[load] = fabric.with_carried(of["rows"], of["spread"], points[load])
+        found[load] = fabric._with_carried(of["rows"], of["spread"], points[load])
     return found

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import warnings
 from functools import partial
 from pathlib import Path
@@ -14,10 +13,10 @@ import numpy as np
 
 from comminute._core import Fabric, LogGrid, ParameterError, PointMass, __version__
 from comminute.files.fabric_storage import START, columns, fabric_variables, fabrics_of, rows_of
-from comminute.lattice.results import LatticeResult
-from comminute.result import Result, needs
 from comminute.runs.recipe import Recipe, grid_record, material_of, material_record, report_of, report_record
+from comminute.runs.results import LatticeData, ResultData
 from comminute.util.names import is_file, shorten
+from comminute.util.optional import needs
 from comminute.util.whole_files import uninterrupted, write_whole
 
 LAYOUT = "comminute result 1"
@@ -35,7 +34,7 @@ class EditedFileWarning(UserWarning):
     """A result file is not as it was written: another program changed it. The message names what differs."""
 
 
-def to_dataset(result: Result) -> Any:
+def to_dataset(result: ResultData) -> Any:
     """Dataset of a result; see `Result.to_xarray`."""
     try:
         import xarray as xr  # noqa: PLC0415  (an optional dependency)
@@ -51,7 +50,7 @@ def to_dataset(result: Result) -> Any:
     }
     if result.stress is not None:
         stress_unit = result.recipe.stress_unit if result.recipe else ""
-        known = {"units": stress_unit} if stress_unit else {}  # that of first_crush_stress, whatever it is
+        known = {"units": stress_unit} if stress_unit else {}  # the unit of first_crush_stress
         coords["stress"] = ("load", result.stress, {"long_name": "stress", **known})
     names = {
         "pmf": (("load", "psi"), "mass fraction by bin"),
@@ -65,7 +64,7 @@ def to_dataset(result: Result) -> Any:
     }
     points = [[k, *point] for k, exact in enumerate(result.points) for point in exact]
     variables |= columns("point", points, {"load": "load index", "psi": "exact log grainsize", "mass": "mass fraction"})
-    if isinstance(result, LatticeResult):
+    if isinstance(result, LatticeData):
         variables["cdf_error"] = (("load", "psi"), result.cdf_error, {"long_name": "standard error of cdf"})
         variables["crushes_error"] = ("load", result.crushes_error, {"long_name": "standard error of crushes"})
     kept = [k for k, fabric in enumerate(result.fabrics) if fabric is not None]
@@ -75,8 +74,8 @@ def to_dataset(result: Result) -> Any:
     return xr.Dataset(variables, coords, _attributes(result))
 
 
-def _attributes(result: Result) -> dict[str, Any]:
-    """Everything of a result that is no array, as text."""
+def _attributes(result: ResultData) -> dict[str, Any]:
+    """Fields of a result that are no arrays, as text."""
     return {
         "Conventions": "CF-1.11",
         "title": "confined comminution: gradings after each load",
@@ -94,7 +93,7 @@ def _attributes(result: Result) -> dict[str, Any]:
         "notes": json.dumps(list(result.notes)),
         "warnings": json.dumps(list(result.warnings)),
         "reports": json.dumps([report_record(report) for report in result.reports]),
-        "lattice": json.dumps({name: getattr(result, name) for name in RINGS if isinstance(result, LatticeResult)}),
+        "lattice": json.dumps({name: getattr(result, name) for name in RINGS if isinstance(result, LatticeData)}),
         "recipe": "" if result.recipe is None else result.recipe.to_json(),
         "case": "" if result.recipe is None else result.recipe.case,
     }
@@ -138,7 +137,7 @@ def _changes(data: Any) -> list[str]:
     return [f"{shorten(name)} {way}" for way, names in ways.items() for name in names]
 
 
-def _require_consistent(result: Result, data: Any) -> None:
+def _require_consistent(result: ResultData, data: Any) -> None:
     """Raise ValueError unless the arrays of an edited file agree with each other."""
     for name, variable in to_dataset(result).variables.items():
         if not np.allclose(data[name].values, variable.values, rtol=ROUNDING, atol=ROUNDING, equal_nan=True):
@@ -159,7 +158,7 @@ def require_netcdf(wanted_for: str) -> Any:
     return xr
 
 
-def save_netcdf(result: Result, path: Path) -> Path:
+def save_netcdf(result: ResultData, path: Path) -> Path:
     """Write a result to a NetCDF file; see `Result.save`."""
     require_netcdf(f"saving {path.name}")
     import h5netcdf  # noqa: PLC0415  (an optional dependency)
@@ -176,39 +175,9 @@ def save_netcdf(result: Result, path: Path) -> Path:
     return write_whole(path, write)
 
 
-def open_result(path: str | os.PathLike[str]) -> Result:
-    """Read a result from a NetCDF file that `Result.save` wrote: equal to the one that was saved.
-
-    Parameters
-    ----------
-    path : path-like
-
-    Returns
-    -------
-    Result
-
-    Raises
-    ------
-    ParameterError
-        For a file that is missing, damaged, or no result.
-    ImportError
-        If xarray, h5netcdf or h5py is missing; the message names the extra to install.
-
-    Warns
-    -----
-    EditedFileWarning
-        If another program changed arrays or attributes of the file, and they still fit together.
-
-    Examples
-    --------
-    >>> import comminute as cm, pathlib, tempfile
-    >>> result = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1)).run(stress_ratio=[1, 8])
-    >>> path = result.save(pathlib.Path(tempfile.mkdtemp(), "run.nc"))
-    >>> cm.open_result(path) == result
-    True
-    """
+def read_netcdf(file: Path) -> ResultData:
+    """Read a result, of a lattice as `LatticeData`, from a file that `save_netcdf` wrote; see `open_result`."""
     xr = require_netcdf("open_result")
-    file = Path(path)
     if not is_file(file):
         raise ParameterError(f"{shorten(str(file), 200)} does not exist; give a result file (.nc)")
     with file.open("rb") as opened:
@@ -233,11 +202,11 @@ def open_result(path: str | os.PathLike[str]) -> Result:
             f" and {more} more" if (more := len(changes) - MOST_NAMED) > 0 else ""
         )
         message = f"{shorten(file.name, 200)} was changed after it was written: {listed}; it is read as it now is"
-        warnings.warn(message, EditedFileWarning, stacklevel=2)
+        warnings.warn(message, EditedFileWarning, stacklevel=3)
     return result
 
 
-def _read(data: Any) -> tuple[list[str], Result]:
+def _read(data: Any) -> tuple[list[str], ResultData]:
     """Tell what was changed in a dataset since it was written, and give the result that it holds now."""
     changes = _changes(data)
     result = _result(data)
@@ -246,7 +215,7 @@ def _read(data: Any) -> tuple[list[str], Result]:
     return changes, result
 
 
-def _result(data: Any) -> Result:
+def _result(data: Any) -> ResultData:
     texts = {key: str(value) for key, value in data.attrs.items()}
     grid = LogGrid(**json.loads(texts["grid"]))
     values = {name: np.array(data[name].values) for name in data.variables}
@@ -259,10 +228,10 @@ def _result(data: Any) -> Result:
     points: list[list[PointMass]] = [[] for _ in fabrics]
     for load, psi, mass in rows_of(values, "point", ("load", "psi", "mass")):
         points[int(load)].append(PointMass(psi, mass))
-    rings: dict[str, Any] = json.loads(texts.get("lattice", "{}"))  # once unknown
+    rings: dict[str, Any] = json.loads(texts.get("lattice", "{}"))  # missing in the first files
     if rings:
         rings |= {name: values[name] for name in ("cdf_error", "crushes_error")}
-    made_again: Result = (partial(LatticeResult, **rings) if rings else Result)(
+    made_again: ResultData = (partial(LatticeData, **rings) if rings else ResultData)(
         material=material_of(json.loads(texts["material"])),
         grid=grid,
         start=made[START],

@@ -7,11 +7,12 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
+from comminute._core import ParameterError
 from comminute.gradings.headers import unit_in
 from comminute.gradings.numerals import digits_of
-from comminute.gradings.sieves import convert, designated
+from comminute.gradings.sieves import convert, designated, require_mesh
 from comminute.gradings.words import LENGTHS, begins_with, folded, meanings_of, plain
-from comminute.util.errors import parameter_error
+from comminute.util.errors import parameter_error, reworded
 from comminute.util.names import shorten
 
 WITH_REST = frozenset(("summary", "washed", "initial", "signature"))
@@ -260,3 +261,40 @@ def row_meaning(label: str) -> str:
         return "summary"
     order = ("initial", "washed", "loss", "summary", "pan", "total")
     return next((name for name in order if name in found), "")
+
+
+def sieve_size(name: str, *, mesh: str = "astm") -> float:
+    """Find the opening in mm of one sieve by its designation.
+
+    Parameters
+    ----------
+    name : str
+        A sieve number ("200", "No. 200", "#200", "200 mesh"), inches ('3/8 in', '1-1/2"'), or an opening with
+        its unit as ISO 565 writes it ("355 µm", "1.4 mm").
+    mesh : {"astm", "tyler"}
+        Series of the numbers: ASTM E11, or Tyler's, whose 35 mesh is 0.425 mm where ASTM's No. 35 is 0.5 mm.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ParameterError
+        For a designation that the series does not have; the message names the nearest where one is near.
+
+    Examples
+    --------
+    >>> import comminute as cm
+    >>> cm.sieve_size("No. 200"), cm.sieve_size("3/8 in"), cm.sieve_size("355 µm"), cm.sieve_size("35", mesh="tyler")
+    (0.075, 9.5, 0.355, 0.425)
+    """
+    require_mesh(mesh)
+    mark = "," if "," in name else "."
+    try:
+        size = read_size(name, Style("no", mark, mesh))
+    except ParameterError as error:
+        raise reworded(error, changed={"parameter": "sieve"}) from None
+    if size.kind != "sieve":
+        raise parameter_error("sieve", f"'{shorten(name)}', a class", "it must be one sieve")
+    return convert(size.opening, size.unit, "mm")

@@ -1,1 +1,1 @@
-"""The stochastic lattice and its results."""
+"""The stochastic lattice: its state, its walk along a load path, and the exact operator of a small ring."""

@@ -13,7 +13,7 @@ from comminute.util.choices import Mean, Scheme
 Floats = npt.NDArray[np.float64]
 
 LARGEST_BINS = 20
-CLOSED = 1e-12  # of the load: a cell exactly at its critical load crushes however that was rounded
+CLOSED = 1e-12  # relative tolerance of the load, so that a cell at its critical load crushes however that was rounded
 
 
 class SmallRing:
@@ -30,12 +30,12 @@ class SmallRing:
     cells : int
         M, 2 to 4; in a ring of two each cell is both neighbours of the other.
     grid : LogGrid
-        At most 20 bins.
+        Grid of at most 20 bins.
     material : Material
     mean : {"arithmetic", "geometric"}
-        How two neighbours make a neighbourhood grainsize (Eq. 48 or 65).
-    fragment_rule : {"paper", "conservative"}
-        See `fragment_pmf`.
+        Mean by which two neighbours make a neighbourhood grainsize (Eq. 48 or 65).
+    scheme : {"conservative", "paper"}
+        Fragments on the grid, as in `fragment_pmf`; cells crush by their bin's centre under either.
 
     Raises
     ------
@@ -45,7 +45,7 @@ class SmallRing:
     Examples
     --------
     >>> import comminute as cm
-    >>> ring = cm.SmallRing(3, cm.LogGrid(-3.0, 0.0, 16), cm.Material(fabric_width=0.5))
+    >>> ring = cm.SmallRing(3, cm.LogGrid(-3.0, 0.0, 16), cm.Material(fabric_width=0.5), scheme="paper")
     >>> p = ring.start(cm.monodisperse(1.0))
     >>> p = ring.step(p, 8.0)
     >>> p.shape, float(p.sum().round(12)), float(ring.grainsize(p)[-1])
@@ -59,7 +59,7 @@ class SmallRing:
         material: Material,
         *,
         mean: Mean = "arithmetic",
-        fragment_rule: Scheme = "paper",
+        scheme: Scheme = "conservative",
     ) -> None:
         if cells not in (2, 3, 4):
             raise ParameterError(f"cells is {cells}; it must be 2, 3 or 4: the state has bins^cells entries")
@@ -71,13 +71,13 @@ class SmallRing:
         self.grid = grid
         self.material = material
         self.mean: Mean = mean
-        self.fragment_rule: Scheme = fragment_rule
+        self.scheme: Scheme = scheme
         self._critical = [self._critical_of(cell) for cell in range(cells)]
-        self._move = _transition(fragment_pmf(material.fragments, grid.spacing, grid.bins, fragment_rule))
+        self._move = _transition(fragment_pmf(material.fragments, grid.spacing, grid.bins, scheme))
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Of a law: (N, ..., N), one axis per cell."""
+        """Shape of a law: (N, ..., N), one axis per cell."""
         return (self.grid.bins,) * self.cells
 
     def start(self, grading: Grading) -> Floats:
@@ -93,7 +93,7 @@ class SmallRing:
         return law
 
     def active(self, stress_ratio: float) -> npt.NDArray[np.bool_]:
-        """(M, N, ..., N) whether each cell crushes under a load, state by state (Eq. 33)."""
+        """(M, N, ..., N) truth of each cell's crushing under a load, state by state (Eq. 33)."""
         return np.array([critical <= stress_ratio * (1.0 + CLOSED) for critical in self._critical])
 
     def step(self, law: Floats, stress_ratio: float) -> Floats:
@@ -148,15 +148,12 @@ class SmallRing:
         return isinstance(other, SmallRing) and self._settings() == other._settings()
 
     def _settings(self) -> tuple[object, ...]:
-        return self.cells, self.grid, self.material, self.mean, self.fragment_rule
+        return self.cells, self.grid, self.material, self.mean, self.scheme
 
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        return (
-            f"SmallRing({self.cells}, {self.grid}, {self.material}, mean='{self.mean}', "
-            f"fragment_rule='{self.fragment_rule}')"
-        )
+        return f"SmallRing({self.cells}, {self.grid}, {self.material}, mean='{self.mean}', scheme='{self.scheme}')"
 
 
 def _transition(pmf: Floats) -> Floats:

@@ -12,19 +12,19 @@ from matplotlib.figure import Figure, SubFigure
 
 from comminute._core import Fabric, Material
 from comminute.gradings.curves import SizeCurve
-from comminute.lattice.results import Comparison, LatticeResult, compare
+from comminute.lattice.comparison import Comparison, compare
 from comminute.plotting.paper import CONTOURS, DENSITY_COLOURS, RED, figure_size, zone_edge
 from comminute.plotting.style import Picture, new_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from comminute.result import Result
+    from comminute.runs.results import LatticeData, ResultData
 
 MARKERS = "osD^"
 DENSITIES = (1e-3, 10.0)
-HEAVY = 0.05  # of the mass in one cell: circled, since a single cell is hard to see in print
-NARROW = 120.0  # mm; below this states are stacked in two columns
+HEAVY = 0.05  # share of the mass above which a cell is circled, since a single cell is hard to see in print
+NARROW = 120.0  # mm of width, below which states are stacked in two columns
 
 
 def plot_state(
@@ -46,18 +46,18 @@ def plot_state(
     fabric : Fabric
     ax : matplotlib Axes, optional
     material : Material, optional
-        With a load: draw the edge inside which one of the two sizes crushes.
+        Material whose crush zone is drawn: the edge inside which one of the two sizes crushes under the load.
     stress_ratio : float, optional
-        Left out: the load at which the fabric is at rest.
+        Load of the crush zone. Left out: the load at which the fabric is at rest.
     limits : (float, float), optional
-        Of both axes, in log size. Left out: the whole grid.
+        Ends of both axes, in log size. Left out: the whole grid.
     marginals : bool
-        Draw the densities of both sizes on the sides.
+        Whether the densities of both sizes are drawn on the sides.
 
     Returns
     -------
     matplotlib Axes
-        Its first collection is the mesh, for a colour bar.
+        Axes whose first collection is the mesh, for a colour bar.
 
     Examples
     --------
@@ -105,8 +105,8 @@ def _draw_marginals(ax: Axes, fabric: Fabric) -> None:
 
 
 def plot_evolution(
-    lattice: Result,
-    continuum: Result,
+    lattice: ResultData,
+    continuum: ResultData,
     axes: Any = None,
     *,
     loads: Sequence[int] | None = None,
@@ -120,11 +120,11 @@ def plot_evolution(
     lattice, continuum : Result
         Runs under the same loads whose fabrics were kept.
     axes : ndarray (2, K) of matplotlib Axes, optional
-        The lattice's and the continuum's.
+        Axes for the lattice, and below them for the continuum.
     loads : sequence of int, optional
-        Which K loads. Left out: all.
+        Indices of the K loads. Left out: all.
     limits : (float, float), optional
-        Of all axes, in log size.
+        Ends of all axes, in log size.
     bar : {"right", "bottom"}
         Side of the colour bar.
 
@@ -164,13 +164,13 @@ def _draw_curve(ax: Axes, curve: SizeCurve, **style: Any) -> None:
     ax.plot(curve.size, curve.finer, **style)
 
 
-def plot_cdf_families(result: Result, ax: Axes | None = None, *, behind: Result | None = None) -> Axes:
+def plot_cdf_families(result: ResultData, ax: Axes | None = None, *, behind: ResultData | None = None) -> Axes:
     """Mass finer against log size, a curve for each load and the start dashed (Figs. 7b, 7c to 9b, 9c).
 
     Parameters
     ----------
     result : Result
-        Of the continuum or of a lattice.
+        Result of the continuum or of a lattice.
     ax : matplotlib Axes, optional
     behind : Result, optional
         A second family, drawn dotted in black, to see where the two part.
@@ -204,8 +204,8 @@ def plot_cdf_families(result: Result, ax: Axes | None = None, *, behind: Result 
 
 
 def plot_comparison(
-    lattice: LatticeResult,
-    continuum: Result,
+    lattice: LatticeData,
+    continuum: ResultData,
     figure: Figure | SubFigure | None = None,
     *,
     loads: Sequence[int] | None = None,
@@ -217,13 +217,13 @@ def plot_comparison(
     ----------
     lattice : LatticeResult
     continuum : Result
-        On the same grid and under the same loads.
+        Result on the same grid and under the same loads.
     figure : matplotlib Figure, optional
-        Narrower than 120 mm the states stand in two columns, lattice left and continuum right.
+        Figure to draw on; narrower than 120 mm, the states stand in two columns, lattice left and continuum right.
     loads : sequence of int, optional
-        Whose states are drawn. Left out: all.
+        Indices of the loads whose states are drawn. Left out: all.
     limits : (float, float), optional
-        Of the states, in log size.
+        Ends of the axes of the states, in log size.
 
     Returns
     -------
@@ -269,7 +269,7 @@ def plot_distances(comparisons: dict[str, Comparison], ax: Axes | None = None) -
     Parameters
     ----------
     comparisons : dict of str to Comparison
-        By name of the start.
+        Comparisons by name of the start.
     ax : matplotlib Axes, optional
 
     Returns

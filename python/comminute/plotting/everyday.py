@@ -1,4 +1,4 @@
-"""Grading curves on the axes of each trade, indices against stress, and a slider over loads. Needs matplotlib."""
+"""Grading curves on the axes of each trade, and indices against stress. Needs matplotlib."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from comminute.gradings.breakage import EINAV_DIMENSION
 from comminute.gradings.curves import SizeCurve
 from comminute.gradings.indices import phi as phi_of
 from comminute.plotting.style import LOAD_COLOURS, new_axes, size_label
-from comminute.result import Floats, Result, needs
 from comminute.runs.remarks import load_labels
+from comminute.runs.results import Floats, ResultData
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -30,7 +30,7 @@ SHOWN = 1e-3  # share of the mass below which the size axis may end
 
 
 def plot_curves(
-    gradings: Result | Grading | SizeCurve | Mapping[str, Grading | SizeCurve],
+    gradings: ResultData | Grading | SizeCurve | Mapping[str, Grading | SizeCurve],
     ax: Axes | None = None,
     *,
     axes: AxesKind = "semilog",
@@ -43,17 +43,17 @@ def plot_curves(
     Parameters
     ----------
     gradings : Result, Grading, SizeCurve, or mapping of str to the latter two
-        In one unit.
+        Gradings in one unit.
     ax : matplotlib Axes, optional
     axes : {"semilog", "loglog", "rosin-rammler"}
         Per cent finer plain, on a log scale, or as ln(-ln(1 - F)), on which a Rosin-Rammler law is a
         straight line.
     coarse_left : bool
-        Sizes fall rightwards.
+        Whether sizes fall rightwards.
     phi : bool
-        Sizes as -log2(d / mm), on a linear scale; coarse is left then.
+        Whether sizes are drawn as -log2(d / mm), on a linear scale, with the coarse ones left.
     guide : bool
-        On log-log axes, a line of the slope of fractal dimension 2.6.
+        Whether log-log axes have a line with the slope of fractal dimension 2.6.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def plot_curves(
         _draw_guide(ax, low, high, unit, phi=phi)
     ax.grid(alpha=0.3, lw=0.5)
     if len(curves) > 1 or (axes == "loglog" and guide):
-        title = load_labels(gradings)[0] if isinstance(gradings, Result) else ""
+        title = load_labels(gradings)[0] if isinstance(gradings, ResultData) else ""
         falling = phi or coarse_left
         place = ("lower " if axes == "loglog" else "upper ") + ("right" if falling != (axes == "loglog") else "left")
         options: dict[str, Any] = {"title": title, "fontsize": "small", "loc": place}
@@ -101,7 +101,7 @@ def plot_curves(
 
 def _curves(gradings: Any) -> dict[str, tuple[SizeCurve, dict[str, Any]]]:
     """Curves by name, each with its line style."""
-    if isinstance(gradings, Result):
+    if isinstance(gradings, ResultData):
         count = gradings.stress_ratio.size
         found = {"start": (gradings.start_curve, {"color": "k", "ls": "--", "lw": 1.2, "zorder": 3})}
         every = math.ceil(count / LEGEND_LOADS)
@@ -179,7 +179,7 @@ def _draw_guide(ax: Axes, low: float, high: float, unit: str, *, phi: bool) -> N
 
 
 def plot_index(
-    result: Result, index: str | Callable[[SizeCurve], float] = "D50", ax: Axes | None = None, **options: Any
+    result: ResultData, index: str | Callable[[SizeCurve], float] = "D50", ax: Axes | None = None, **options: Any
 ) -> Axes:
     """Draw an index after each load against stress, or stress ratio where no stress is known.
 
@@ -191,7 +191,7 @@ def plot_index(
         `SizeCurve`.
     ax : matplotlib Axes, optional
     **options
-        For the line.
+        Options of the line, as matplotlib takes them.
 
     Returns
     -------
@@ -217,7 +217,7 @@ def plot_index(
     return ax
 
 
-def _index_values(result: Result, index: str | Callable[[SizeCurve], float]) -> tuple[str, np.ndarray[Any, Any]]:
+def _index_values(result: ResultData, index: str | Callable[[SizeCurve], float]) -> tuple[str, np.ndarray[Any, Any]]:
     from comminute.gradings import breakage, indices  # noqa: PLC0415  (names that would hide arguments here)
 
     start = result.start_curve
@@ -243,34 +243,3 @@ def _index_values(result: Result, index: str | Callable[[SizeCurve], float]) -> 
             f"index is '{index}'; it must be a size such as D50, or one of {', '.join(known)}, crushes, fines"
         )
     return label, np.array([make(result.curve(k)) for k in range(result.stress_ratio.size)])
-
-
-def slider(result: Result) -> Any:
-    """Grading and fabric with a slider over the loads, for notebooks; see `Result.slider`."""
-    try:
-        import ipywidgets  # noqa: PLC0415  (optional)
-    except ImportError as error:
-        raise needs("notebook", "ipywidgets", "slider") from error
-    from comminute.plotting import plot_result  # noqa: PLC0415  (drawn on demand)
-
-    kept = [k for k, fabric in enumerate(result.fabrics) if fabric is not None]
-    if not kept:
-        raise ParameterError("no fabric was kept, so there is nothing to slide over; run with keep_fabrics = 'all'")
-    quantity, names = load_labels(result)
-    options = [(names[k], k) for k in kept]
-    control = ipywidgets.SelectionSlider(
-        options=options,
-        value=kept[-1],
-        description=quantity,
-        continuous_update=False,  # a picture takes longer than a drag over many loads
-        style={"description_width": "initial"},
-    )
-    picture = ipywidgets.Image(format="png")
-
-    def draw(change: Any) -> None:
-        del change
-        picture.value = plot_result(result, control.value).png()
-
-    control.observe(draw, names="value")
-    draw(None)
-    return ipywidgets.VBox([control, picture])

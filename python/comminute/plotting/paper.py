@@ -16,7 +16,8 @@ from comminute.plotting.style import new_axes
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from comminute.result import Floats
+    from comminute.runs.results import Floats
+    from comminute.util.choices import Scheme
 
 # Okabe and Ito's palette, which readers with any colour vision can tell apart; line styles differ as well.
 BLUE, ORANGE, GREEN, RED = "#0072b2", "#e69f00", "#009e73", "#d55e00"
@@ -25,7 +26,7 @@ ZONE_FILLS = {Zone.REST: "#ffffff", Zone.NEIGHBOUR: "#f6c9a8", Zone.GRAIN: "#a6c
 ZONE_NAMES = {Zone.REST: "00", Zone.NEIGHBOUR: "01", Zone.GRAIN: "10", Zone.BOTH: "11"}
 DENSITY_COLOURS = ListedColormap(mpl.colormaps["Blues"](np.linspace(0.18, 1.0, 256)), "density")
 
-# For figures drawn at their printed size, as matplotlib rcParams.
+# Settings (matplotlib rcParams) for figures that are drawn at their printed size.
 PRINT_STYLE: dict[Any, float] = {
     "font.size": 7.5,
     "axes.labelsize": 7.5,
@@ -46,7 +47,7 @@ def figure_size(width: float, height: float) -> tuple[float, float]:
     Parameters
     ----------
     width, height : float
-        In mm; a column of a journal is about 85 mm wide, a page 170 mm.
+        Size in mm; a column of a journal is about 85 mm wide, a page 170 mm.
 
     Returns
     -------
@@ -72,12 +73,12 @@ def zone_edge(material: Material, stress_ratio: float, psi_max: float, *, points
     psi_max : float
         Log size at which the curve ends.
     points : int
-        Along the curve; the middle one is the tip, where both sizes are equal.
+        Number of points along the curve; the middle one is the tip, where both sizes are equal.
 
     Returns
     -------
     psi, psibar : ndarray (points,)
-        From the end with the larger neighbourhood to the one with the smaller; empty where the load
+        Curve from the end with the larger neighbourhood to the one with the smaller; empty where the load
         crushes nothing up to psi_max.
 
     Examples
@@ -92,9 +93,9 @@ def zone_edge(material: Material, stress_ratio: float, psi_max: float, *, points
     tip = math.log(material.reference_size) - material.weibull_modulus / 3.0 * math.log(stress_ratio)
     if tip > psi_max:
         return np.empty(0), np.empty(0)
-    if math.isinf(material.k):  # without fabric size alone decides
+    if math.isinf(material.k):  # without fabric the size alone decides
         return np.full(points, tip), np.linspace(psi_max, 2.0 * tip - psi_max, points)
-    # (psi - psibar)^2 - k psi = g* by the difference of the two: smooth through the tip, unlike a root in psi
+    # (psi - psibar)^2 - k psi = g*, solved for psi by the difference: smooth through the tip, unlike a root in psi
     load = float(logspace_load(material, stress_ratio))
     widest = math.sqrt(max(load + material.k * psi_max, 0.0))
     difference = np.linspace(-widest, widest, points)
@@ -116,12 +117,12 @@ def plot_stress_contours(
     ----------
     material : Material
     stress_ratio : float or sequence
-        One contour each; a grain crushes at that load on the inner side, where its neighbours are as large as it.
+        Load of each contour; a grain crushes at that load on the inner side, where its neighbours are as large as it.
     ax : matplotlib Axes, optional
     log_sizes : bool
-        Draw over log sizes instead of sizes.
+        Whether the axes are log sizes instead of sizes.
     limits : (float, float), optional
-        Of both axes. Left out: up to the reference size.
+        Ends of both axes. Left out: up to the reference size.
 
     Returns
     -------
@@ -165,7 +166,7 @@ def plot_zones(grid: LogGrid, material: Material, stress_ratio: float, ax: Axes 
     Parameters
     ----------
     grid : LogGrid
-        Its cells are coloured by `crush_zones`, centre by centre.
+        Grid whose cells are coloured by `crush_zones`, centre by centre.
     material : Material
     stress_ratio : float
         Load.
@@ -225,8 +226,9 @@ def plot_fragment_kernel(
     kind: Literal["exact", "slow", "fast"] = "exact",
     limits: tuple[float, float] | None = None,
     decades: float = 2.0,
+    scheme: Scheme = "conservative",
 ) -> Axes:
-    """Where the mass of one cell goes in one step (Fig. 5).
+    """Places that the mass of one cell goes to in one step (Fig. 5, which has the paper's scheme).
 
     Parameters
     ----------
@@ -240,14 +242,16 @@ def plot_fragment_kernel(
     kind : {"exact", "slow", "fast"}
         Kernel: Eq. 59, 63 or 68.
     limits : (float, float), optional
-        Of both axes. Left out: the whole grid, with the fines bin that gathers all that is finer.
+        Ends of both axes. Left out: the whole grid, with the fines bin that gathers all that is finer.
     decades : float
-        Range of the colours below the cell that receives most.
+        Decades that the colours cover below the cell that receives most.
+    scheme : {"conservative", "paper"}
+        Fragments on the grid, as in `cell_kernel`.
 
     Returns
     -------
     matplotlib Axes
-        Its first collection is the mesh, for a colour bar.
+        Axes whose first collection is the mesh, for a colour bar.
 
     Examples
     --------
@@ -258,7 +262,7 @@ def plot_fragment_kernel(
     'from zone 10'
     """
     ax = new_axes() if ax is None else ax
-    kernel = cell_kernel(grid, material, stress_ratio, i, j, kind)
+    kernel = cell_kernel(grid, material, stress_ratio, i, j, kind, scheme=scheme)
     share = np.ma.masked_less(kernel.T / kernel.max(), 10.0**-decades)
     ax.pcolormesh(
         grid.edges, grid.edges, share, norm=LogNorm(10.0**-decades, 1.0), cmap=DENSITY_COLOURS, rasterized=True

@@ -1,4 +1,4 @@
-"""What the plots share: pictures that no window shows, colours of loads, labels of sizes. Needs matplotlib."""
+"""Style shared by the plots: pictures that no window shows, colours of loads, labels of sizes. Needs matplotlib."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""The loads of a run, checked, and which of its fabrics are kept."""
+"""Load paths: the loads of a run, checked, and the indices of those whose fabric is kept."""
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,9 +15,47 @@ from comminute._core import Material, ParameterError
 Floats = npt.NDArray[np.float64]
 
 
+Keep = Literal["all", "last"] | Sequence[int]
+
+
+class Load(NamedTuple):
+    """One load of a path.
+
+    Attributes
+    ----------
+    place : int
+        Index in the path, from 0.
+    stress_ratio : float
+        Load, >= 0.
+    loading_rate : float
+        Share of the fast kernel (Eq. 67), in [0, 1].
+    remixed : bool
+        Whether the packing is remixed after this load.
+    """
+
+    place: int
+    stress_ratio: float
+    loading_rate: float
+    remixed: bool
+
+
 @dataclass(frozen=True)
 class LoadPath:
-    """The loads of one run, checked: one entry of each field per load."""
+    """Loads of one run, checked.
+
+    Attributes
+    ----------
+    stress_ratio : ndarray (T,)
+        Loads, each >= 0, in any order.
+    stress : ndarray (T,) or None
+        Loads as stresses, where first_crush_stress is known.
+    loading_rate : ndarray (T,)
+        Share of the fast kernel at each load.
+    remix_after : frozenset of int
+        Indices of the loads after which the packing is remixed.
+    by_stress : bool
+        Whether the loads were given as stresses.
+    """
 
     stress_ratio: Floats
     stress: Floats | None
@@ -25,9 +63,27 @@ class LoadPath:
     remix_after: frozenset[int]
     by_stress: bool
 
+    def loads(self, first: int = 0) -> Iterator[Load]:
+        """Give the loads one by one, beginning with index `first`."""
+        values = zip(self.stress_ratio[first:].tolist(), self.loading_rate[first:].tolist(), strict=True)
+        for place, (stress_ratio, loading_rate) in enumerate(values, first):
+            yield Load(place, stress_ratio, loading_rate, place in self.remix_after)
+
+    def then(self, later: LoadPath) -> LoadPath:
+        """Path of these loads with those of another path after them."""
+        size = self.stress_ratio.size
+        unknown = self.stress is None or later.stress is None
+        return LoadPath(
+            np.concatenate([self.stress_ratio, later.stress_ratio]),
+            None if unknown else np.concatenate([self.stress, later.stress]),
+            np.concatenate([self.loading_rate, later.loading_rate]),
+            self.remix_after | {size + k for k in later.remix_after},
+            self.by_stress,
+        )
+
 
 def _loads(name: str, values: float | Iterable[float]) -> Floats:
-    loads = np.atleast_1d(np.asarray(values, dtype=np.float64))
+    loads = np.array(values, dtype=np.float64, ndmin=1)  # a copy, since the caller's array may change later
     if loads.ndim != 1 or loads.size == 0:
         raise ParameterError(f"{name} has shape {loads.shape}; it must be a list of at least one load")
     for index, load in enumerate(loads):
@@ -80,8 +136,8 @@ def load_path(
     return LoadPath(ratios, stresses, rates, _indices("remix_after", remix_after, ratios.size), stress is not None)
 
 
-def wanted_fabrics(keep: Literal["all", "last"] | Sequence[int], loads: int) -> frozenset[int]:
-    """Find the loads whose fabric is kept, by index; see `Simulation.run`."""
+def wanted_fabrics(keep: Keep, loads: int) -> frozenset[int]:
+    """Find the loads whose fabric is kept, by index, in a path of so many loads; see `Simulation.run`."""
     if keep == "all":
         return frozenset(range(loads))
     if keep == "last":

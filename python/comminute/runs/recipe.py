@@ -1,10 +1,10 @@
-"""What a run was asked for and what it was made of, as plain records that a file can hold."""
+"""Settings and materials of runs as plain records, which a file can hold."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from comminute._core import (
     TabulatedFragments,
     WeibullFragments,
 )
+from comminute.runs.load_path import LoadPath
+from comminute.util.choices import EngineName, Kind
 
 Law = WeibullFragments | PowerLawFragments | LogNormalFragments | TabulatedFragments
 
@@ -32,47 +34,54 @@ LAWS: dict[str, tuple[type[Law], tuple[str, ...]]] = {
 
 @dataclass(frozen=True)
 class Recipe:
-    """What `Simulation.run` was asked for: with start and material of a result, enough to run it again.
+    """Settings of a run: with the start and material of its result, enough to run it again.
 
     Attributes
     ----------
     loading_rate : tuple of float
-        One per load.
+        Share of the fast kernel (Eq. 67), one per load.
     remix_after : tuple of int
         Indices of loads after which the packing was remixed.
     engine : str
-        As asked for; `Result.engine` says what ran.
+        Engine asked for; `Result.engine` names the one that ran.
     kind : str or None
         Kernel asked for.
     steps_per_load : int or "rest"
+        Steps of a time-stepping engine at each load.
     by_stress : bool
         The loads were given as stresses; not compared, since the same loads may be given either way.
     chained : bool
         Every load went on from the fabric after the one before, as when all are kept; not compared. Otherwise
         the gradings of loads whose fabric was not kept come from the last one that was, the same to rounding.
     stress_unit : str
-        Of the stresses, as text.
+        Unit of the stresses, as text.
     case : str
-        The resolved case as JSON text, for a run of a case file; else empty.
+        Resolved case as JSON text, for a run of a case file; else empty.
     """
 
     loading_rate: tuple[float, ...]
     remix_after: tuple[int, ...] = ()
-    engine: str = "auto"
-    kind: str | None = None
+    engine: EngineName = "auto"
+    kind: Kind | None = None
     steps_per_load: int | Literal["rest"] = "rest"
     by_stress: bool = field(default=False, compare=False)
     chained: bool = field(default=True, compare=False)
     stress_unit: str = ""
     case: str = ""
 
+    @classmethod
+    def of(cls, path: LoadPath, **settings: Any) -> Self:
+        """Recipe of a load path; `settings` are the fields that the path does not give."""
+        rates, remixed = tuple(path.loading_rate.tolist()), tuple(sorted(path.remix_after))
+        return cls(rates, remixed, by_stress=path.by_stress, **settings)
+
     def of_first(self, loads: int) -> Recipe:
-        """Recipe of the first loads alone, for a run that was interrupted."""
+        """Recipe of the first loads alone, for a run that has not come to its end."""
         remixed = tuple(k for k in self.remix_after if k < loads)
         return replace(self, loading_rate=self.loading_rate[:loads], remix_after=remixed)
 
     def to_json(self) -> str:
-        """Text from which `from_json` makes it again."""
+        """JSON text, from which `from_json` makes the recipe again."""
         return json.dumps(asdict(self))
 
     @classmethod
@@ -127,7 +136,7 @@ REPORTS: dict[str, tuple[type[SolveReport] | type[StepReport], tuple[str, ...]]]
 
 
 def report_record(report: SolveReport | StepReport) -> dict[str, Any]:
-    """Fields of a report, and which it is."""
+    """Fields of a report, with the name of its class."""
     name = "solve" if isinstance(report, SolveReport) else "steps"
     return {"report": name} | {field: getattr(report, field) for field in REPORTS[name][1]}
 

@@ -1,17 +1,14 @@
-"""What a result says about itself in plain words: surprises, and where its curves are not to be trusted."""
+"""Remarks on a result in plain words: loads that may surprise, sizes at which its curves are not to be trusted."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from comminute._core import CrushZones, LogGrid, Material
-
-if TYPE_CHECKING:
-    from comminute.result import Result
+from comminute.runs.results import ResultData
 
 Floats = npt.NDArray[np.float64]
 
@@ -22,8 +19,8 @@ class ResolutionWarning(UserWarning):
     """Curves near the grid's lower end are not to be trusted; the message says below which size."""
 
 
-def load_labels(result: Result) -> tuple[str, list[str]]:
-    """Quantity of the loads with its unit, stress where it is known, and a text for each, none twice."""
+def load_labels(result: ResultData) -> tuple[str, list[str]]:
+    """Name of the loads' quantity with its unit, stress where it is known, and a text for each load, none twice."""
     quantity, loads = "stress ratio", result.stress_ratio
     if result.stress is not None:
         unit = result.recipe.stress_unit if result.recipe else ""
@@ -50,7 +47,7 @@ def explained(loads: Floats, crushes: Floats) -> list[str]:
 
 
 def resolution_warnings(grid: LogGrid, material: Material, loads: Floats, pmf: Floats, unit: str) -> list[str]:
-    """Where the fines bin spoils the answer, and below which size."""
+    """One line for each way in which the fines bin spoils the curves, with the size below which it does."""
     in_unit = f" {unit}" if unit else ""
     found = []
     worst = int(np.argmax(pmf[:, 0]))

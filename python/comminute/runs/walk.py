@@ -1,12 +1,6 @@
-"""The way of a fabric along a load path: which engine takes a load, and from where."""
+"""The continuum along a load path: which kernel and engine take a load, and from which fabric."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass, field
-from typing import NamedTuple
-
-import numpy as np
-import numpy.typing as npt
 
 from comminute._core import (
     Fabric,
@@ -14,16 +8,16 @@ from comminute._core import (
     LogGrid,
     Material,
     ParameterError,
-    PointMass,
     QuasiStatic,
     SlowUpdate,
-    SolveReport,
-    StepReport,
     remix,
 )
+from comminute.runs.load_path import Load
+from comminute.runs.outcomes import Outcome, mass_error
+from comminute.runs.recipe import Recipe
 from comminute.util.choices import EngineName, Kind, Scheme, require_word
 
-Floats = npt.NDArray[np.float64]
+SEPARATOR = " + "  # between the engines of a result that took more than one
 
 
 def kind_of(kind: Kind | None, rate: float) -> Kind:
@@ -39,7 +33,7 @@ def kind_of(kind: Kind | None, rate: float) -> Kind:
 
 
 def engine_of(name: EngineName, kind: Kind, rate: float, *, steps: int | None) -> EngineName:
-    """Engine that takes one load, where it can."""
+    """Engine that takes one load of a kernel; an error where the one asked for cannot."""
     solvable = kind != "exact" and steps is None
     if name == "auto":
         if solvable:
@@ -63,40 +57,64 @@ def engine_of(name: EngineName, kind: Kind, rate: float, *, steps: int | None) -
     return name
 
 
-class Outcome(NamedTuple):
-    """Grading after one load, and its fabric where that is wanted."""
+def choices(recipe: Recipe) -> list[tuple[Kind, EngineName]]:
+    """Kernel and engine of each load that a recipe names.
 
-    grainsize: Floats
-    points: tuple[PointMass, ...]
-    crushed: float
-    report: SolveReport | StepReport
-    fabric: Fabric | None
+    Raises
+    ------
+    ParameterError
+        For the first load that the engine asked for cannot take.
+    """
+    steps = steps_of(recipe)
+    kinds = [kind_of(recipe.kind, rate) for rate in recipe.loading_rate]
+    rates = recipe.loading_rate
+    return [(kind, engine_of(recipe.engine, kind, rate, steps=steps)) for kind, rate in zip(kinds, rates, strict=True)]
 
 
-@dataclass
+def steps_of(recipe: Recipe) -> int | None:
+    """Find how many steps a time-stepping engine takes at each load; None: as many as bring the packing to rest."""
+    return None if recipe.steps_per_load == "rest" else recipe.steps_per_load
+
+
 class _Segment:
-    """Solves between two remixings or changes of rate, each from the last fabric that was wanted."""
+    """Solves between two remixings or changes of solver, each from the last fabric that was wanted.
 
-    solver: QuasiStatic
-    start: Fabric
-    crushed_before: float
-    largest: float = 0.0
+    Where no fabric is wanted in between, a load is solved from there for its grading alone: the way to a load does not
+    matter to its outcome, so the fabrics of the loads between need not be computed.
+    """
+
+    def __init__(self, solver: QuasiStatic, fabric: Fabric, crushed: float) -> None:
+        self.solver = solver
+        self._fabric = fabric
+        self._crushed = crushed
+        self._largest = 0.0
+        self._reached: float | None = None
 
     def after(self, load: float, *, with_fabric: bool) -> Outcome:
-        """Outcome of one more load: one solve to the largest so far, since the way there does not matter."""
-        self.largest = max(self.largest, load)
-        if with_fabric:
-            fabric = self.solver.solve(self.start, self.largest)
-            report = self.solver.report
-            self.start, self.crushed_before = fabric, self.crushed_before + report.crushed
-            return Outcome(fabric.grainsize(), tuple(fabric.points), self.crushed_before, report, fabric)
-        after = self.solver.grading_after(self.start, self.largest)
-        crushed = self.crushed_before + after.report.crushed
-        return Outcome(after.grainsize, tuple(after.points), crushed, after.report, None)
+        """Outcome of one more load: one solve to the largest so far."""
+        self._largest = max(self._largest, load)
+        if not with_fabric:
+            after = self.solver.grading_after(self._fabric, self._largest)
+            crushed = self._crushed + after.report.crushed
+            grainsize = after.grainsize
+            return Outcome(grainsize, crushed, mass_error(grainsize), tuple(after.points), after.report)
+        fabric, report = self.solver.solve(self._fabric, self._largest), self.solver.report
+        grainsize = fabric.grainsize()
+        outcome = Outcome(
+            grainsize, self._crushed + report.crushed, mass_error(grainsize), tuple(fabric.points), report, fabric
+        )
+        self._fabric, self._crushed, self._reached = fabric, outcome.crushed, self._largest
+        return outcome
+
+    def end(self) -> tuple[Fabric, float]:
+        """Fabric after the last load, and the crushes a cell has been through by then."""
+        if self._reached != self._largest:
+            self.after(0.0, with_fabric=True)
+        return self._fabric, self._crushed
 
 
 class Engines:
-    """Makes the engine of each load, and keeps it for the loads that want the same."""
+    """Engines of one grid and material, each made for the first load that it takes and kept for the others."""
 
     def __init__(self, grid: LogGrid, material: Material, scheme: Scheme) -> None:
         self._grid = grid
@@ -111,77 +129,101 @@ class Engines:
             self.names.append(name)
 
     def stepper(self, name: EngineName, kind: Kind, rate: float) -> SlowUpdate | FullConvolution:
-        """Engine that takes time steps."""
+        """Time-stepping engine of a kernel and loading rate."""
         self._note(name)
         rate = rate if kind == "blend" else 0.0
         if (name, kind, rate) not in self._steppers:
             self._steppers[name, kind, rate] = (
-                SlowUpdate(self._grid, self._material, fragment_rule=self._scheme)
+                SlowUpdate(self._grid, self._material, scheme=self._scheme)
                 if name == "slow-update"
-                else FullConvolution(self._grid, self._material, kind, loading_rate=rate, fragment_rule=self._scheme)
+                else FullConvolution(self._grid, self._material, kind, loading_rate=rate, scheme=self._scheme)
             )
         return self._steppers[name, kind, rate]
 
     def solver(self, rate: float) -> QuasiStatic:
-        """Solver for a loading rate."""
+        """Quasi-static solver of a loading rate."""
         self._note("quasi-static")
         if rate not in self._solvers:
             self._solvers[rate] = QuasiStatic(self._grid, self._material, self._scheme, rate)
         return self._solvers[rate]
 
 
-@dataclass
-class Records:
-    """What a run writes down after each load."""
+class ContinuumWalker:
+    """Fabric of the continuum on its way along a load path.
 
-    outcomes: list[Outcome] = field(default_factory=list)
-    kept: list[Fabric | None] = field(default_factory=list)
+    Parameters
+    ----------
+    fabric : Fabric
+        State before the first load to come.
+    material : Material
+    scheme : {"conservative", "paper"}
+        Scheme by which the continuum becomes bins; see `QuasiStatic`.
+    recipe : Recipe
+        Kernel and engine of each load of the path, and the steps a time-stepping engine takes.
+    crushed : float
+        Mean number of crushes a cell has been through by then.
+    engine : str
+        Engines that took the loads before, as `Result.engine` names them.
 
-    def add(self, outcome: Outcome, *, keep: bool) -> None:
-        """Note one load."""
-        self.outcomes.append(outcome)
-        self.kept.append(outcome.fabric if keep else None)
+    Raises
+    ------
+    ParameterError
+        For a load that the engine asked for cannot take.
+    """
 
-
-class Walk:
-    """Walks a load path: what has been loaded so far, and how the next load is taken from there."""
-
-    def __init__(self, start: Fabric, engines: Engines, steps: int | None) -> None:
-        self._fabric = start
-        self._engines = engines
-        self._steps = steps
-        self._crushed = 0.0
+    def __init__(
+        self,
+        fabric: Fabric,
+        material: Material,
+        scheme: Scheme,
+        recipe: Recipe,
+        *,
+        crushed: float = 0.0,
+        engine: str = "",
+    ) -> None:
+        self._choices = choices(recipe)
+        self._engines = Engines(fabric.grid, material, scheme)
+        self._engines.names += engine.split(SEPARATOR) if engine else []
+        self._fabric = fabric
+        self._steps = steps_of(recipe)
+        self._crushed = crushed
         self._segment: _Segment | None = None
 
-    def load(self, name: EngineName, kind: Kind, rate: float, load: float, *, with_fabric: bool) -> Outcome:
-        """Take the packing through one load."""
+    @property
+    def engine(self) -> str:
+        """Engines that have taken a load, in the order of their first."""
+        return SEPARATOR.join(self._engines.names)
+
+    def load(self, load: Load, *, with_fabric: bool) -> Outcome:
+        """Take the fabric through one load; see `Walker`."""
+        kind, name = self._choices[load.place]
         if name != "quasi-static":
-            self._close_segment()
-            return self._step(name, kind, rate, load)
-        solver = self._engines.solver(1.0 if kind == "fast" else rate)
+            self._end_segment()
+            return self._step(name, kind, load)
+        solver = self._engines.solver(1.0 if kind == "fast" else load.loading_rate)
         if self._segment is None or self._segment.solver is not solver:
-            self._close_segment()
+            self._end_segment()
             self._segment = _Segment(solver, self._fabric, self._crushed)
-        return self._segment.after(load, with_fabric=with_fabric)
+        return self._segment.after(load.stress_ratio, with_fabric=with_fabric)
 
     def remix(self) -> None:
         """Mix the packing anew."""
-        self._close_segment()
+        self._end_segment()
         self._fabric = remix(self._fabric)
 
-    def _close_segment(self) -> None:
-        """Bring the fabric up to date before something starts from it."""
+    def _end_segment(self) -> None:
+        """Bring the fabric up to date before something else starts from it."""
         if self._segment is not None:
-            done = self._segment.after(0.0, with_fabric=True)
-            assert done.fabric is not None
-            self._fabric, self._crushed, self._segment = done.fabric, done.crushed, None
+            self._fabric, self._crushed = self._segment.end()
+            self._segment = None
 
-    def _step(self, name: EngineName, kind: Kind, rate: float, load: float) -> Outcome:
-        engine = self._engines.stepper(name, kind, rate)
+    def _step(self, name: EngineName, kind: Kind, load: Load) -> Outcome:
+        engine = self._engines.stepper(name, kind, load.loading_rate)
         before = self._fabric.binned()
-        p = engine.settle(before.probability, load, steps=self._steps)
-        # After a fixed number of steps some mass may still lie inside the zone: at rest under no known load.
-        settled = max(load, before.settled_at or 0.0) if self._steps is None else None
+        p = engine.settle(before.probability, load.stress_ratio, steps=self._steps)
+        # A fixed number of steps may leave mass inside the zone: the state is then at rest under no known load.
+        settled = max(load.stress_ratio, before.settled_at or 0.0) if self._steps is None else None
         self._fabric = Fabric(before.grid, p, settled_at=settled, mean=before.mean)
         self._crushed += engine.report.crushed
-        return Outcome(self._fabric.grainsize(), (), self._crushed, engine.report, self._fabric)
+        grainsize = self._fabric.grainsize()
+        return Outcome(grainsize, self._crushed, mass_error(grainsize), (), engine.report, self._fabric)

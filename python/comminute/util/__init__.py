@@ -1,1 +1,1 @@
-"""Helpers that every room uses: errors, words, files, equality."""
+"""Helpers of every room: errors, words, texts, files, equality, optional libraries."""

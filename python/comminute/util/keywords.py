@@ -1,4 +1,7 @@
-"""Keyword arguments that are misspelled: the error names the nearest that there is."""
+"""Keyword arguments that are misspelled: the error names the nearest that there is.
+
+Importing this module lets functions and classes of the core do so.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,11 @@ import difflib
 import functools
 import inspect
 import re
+import sys
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
+
+from comminute._core import Grading
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -74,3 +80,20 @@ def _message(called: str, word: str, known: list[str]) -> str:
     near = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
     meant = f"did you mean {near[0]}?" if near else f"it has {', '.join(known)}"
     return f"{called}() has no keyword {word}; {meant}"
+
+
+FUNCTIONS: tuple[str, ...] = ("monodisperse", "gap_graded", "power_law", "uniform_size", "log_uniform", "fuller")
+FUNCTIONS += ("lognormal", "rosin_rammler", "mixed_fabric", "fitting_grid", "percentile")
+CLASSES: tuple[str, ...] = ("Material", "LogGrid", "Fabric", "WeibullFragments", "PowerLawFragments")
+CLASSES += ("LogNormalFragments", "TabulatedFragments", "FullConvolution", "SlowUpdate", "QuasiStatic")
+CLASSES += ("Lattice", "TimeSteppedLattice")
+
+_core = sys.modules[Grading.__module__]
+for _name in FUNCTIONS:
+    setattr(_core, _name, suggests_keywords(getattr(_core, _name), _name))
+for _name in CLASSES:
+    _made = getattr(_core, _name)
+    _made.__init__ = suggests_keywords(_made.__init__, _name)
+Grading.from_sieves = staticmethod(  # type: ignore[method-assign]
+    suggests_keywords(Grading.from_sieves, "Grading.from_sieves")
+)

@@ -467,3 +467,31 @@ TEST_CASE("the finest sizes are found in a tail over hundreds of decades") {
     const Grading rammler = comminute::rosin_rammler(1.0, 0.01);
     CHECK(rammler.finer(rammler.smallest(5e-3)) == doctest::Approx(5e-3).epsilon(1e-9));
 }
+
+TEST_CASE("a grading's inverse finds every share of its cdf again, and plateaus at their lower end") {
+    const comminute::Grading gradings[] = {comminute::power_law(2.5, 1e-3, 1.0),
+                                           comminute::power_law(3.4, 1e-3, 1.0),
+                                           comminute::log_uniform(0.1, 2.0),
+                                           comminute::fuller(16.0),
+                                           comminute::lognormal(0.3, 0.8),
+                                           comminute::lognormal(0.3, 0.8, 0.2),
+                                           comminute::rosin_rammler(0.5, 1.5),
+                                           comminute::rosin_rammler(0.5, 1.5, 0.4),
+                                           comminute::sieve_grading({0.5, 1.0, 2.0}, {10.0, 50.0, 100.0})};
+    for (const comminute::Grading& grading : gradings) {
+        for (const double share : {1e-6, 1e-3, 0.1, 0.3, 0.6, 0.9, 0.99}) {
+            CAPTURE(share);
+            CHECK(std::abs(grading.finer(grading.quantile(share)) - share) < 2e-12);
+            CHECK(grading.percentile(100.0 * share, true) ==
+                  doctest::Approx(grading.quantile(share)).epsilon(1e-13));
+        }
+        CHECK(grading.quantile(1.0) == doctest::Approx(grading.largest()).epsilon(1e-15));
+    }
+    const auto gap = comminute::gap_graded(1.0, 0.1, 0.25);
+    CHECK(gap.quantile(0.75) == 0.1);
+    CHECK(gap.quantile(0.75 + 1e-9) == 1.0);
+    const auto flat = comminute::sieve_grading({0.5, 1.0, 2.0, 4.0}, {0.0, 50.0, 50.0, 100.0});
+    CHECK(flat.quantile(0.5) == 1.0);
+    CHECK(flat.quantile(0.5 + 1e-9) > 2.0);
+    CHECK_REFUSED(gap.quantile(0.0), "share is 0; it must be greater than 0 and at most 1");
+}

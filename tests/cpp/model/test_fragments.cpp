@@ -8,10 +8,10 @@
 using comminute::fragment_pmf;
 using comminute::FragmentLaw;
 using comminute::FragmentPmf;
-using comminute::FragmentRule;
 using comminute::LogNormalFragments;
 using comminute::ParameterError;
 using comminute::PowerLawFragments;
+using comminute::Scheme;
 using comminute::TabulatedFragments;
 using comminute::WeibullFragments;
 using helpers::at;
@@ -108,8 +108,8 @@ double exact_moment(int q) {
 // Both pmfs against Simpson's rule on the density, at steps of 1e-3 / rate or finer.
 double worst_share(const Case& c, double h) {
     const Index bins = 24;
-    const FragmentPmf own = fragment_pmf(c.law, h, bins, FragmentRule::conservative);
-    const FragmentPmf paper = fragment_pmf(c.law, h, bins, FragmentRule::paper);
+    const FragmentPmf own = fragment_pmf(c.law, h, bins, Scheme::conservative);
+    const FragmentPmf paper = fragment_pmf(c.law, h, bins, Scheme::paper);
     const int pairs = 100 + static_cast<int>(std::ceil(500.0 * h * c.rate));
     double largest = 0.0;
     double worst = 0.0;
@@ -187,8 +187,7 @@ TEST_CASE("the conservative pmf has the exact mean, and variance and skewness to
     for (std::size_t level = 0; level < 3; ++level) {
         const double h = spacing[level];
         const auto bins = static_cast<Index>(45.0 / h);  // e^-45 is cut off
-        const Moments m =
-            moments_of(fragment_pmf(WeibullFragments{}, h, bins, FragmentRule::conservative), h);
+        const Moments m = moments_of(fragment_pmf(WeibullFragments{}, h, bins, Scheme::conservative), h);
         CHECK(std::abs(m.mean - exact.mean) < 2e-14);
         variance_error[level] = m.variance - exact.variance;
         skewness_error[level] =
@@ -202,10 +201,10 @@ TEST_CASE("the conservative pmf has the exact mean, and variance and skewness to
     }
 }
 
-TEST_CASE("the paper's rule moves mass half a bin too far with each crush") {
+TEST_CASE("the paper's scheme moves mass half a bin too far with each crush") {
     for (const double h : {0.2, 0.05, 0.01}) {
         const auto bins = static_cast<Index>(45.0 / h);
-        const Moments m = moments_of(fragment_pmf(WeibullFragments{}, h, bins, FragmentRule::paper), h);
+        const Moments m = moments_of(fragment_pmf(WeibullFragments{}, h, bins, Scheme::paper), h);
         const double excess = -exact_moment(1) - m.mean;
         // Euler-Maclaurin: the next term is h^2 f(0) / 12, f(0) = 1 / (e - 1); the one after it O(h^4)
         const double next = h * h / 12.0 / (std::exp(1.0) - 1.0);
@@ -216,8 +215,8 @@ TEST_CASE("the paper's rule moves mass half a bin too far with each crush") {
 TEST_CASE("one crush under a power law has the closed form") {
     for (const double a : {0.2, 1.0, 7.0, 50.0}) {
         for (const double h : {0.001, 0.1, 1.0}) {
-            const FragmentPmf own = fragment_pmf(PowerLawFragments{a}, h, 40, FragmentRule::conservative);
-            const FragmentPmf paper = fragment_pmf(PowerLawFragments{a}, h, 40, FragmentRule::paper);
+            const FragmentPmf own = fragment_pmf(PowerLawFragments{a}, h, 40, Scheme::conservative);
+            const FragmentPmf paper = fragment_pmf(PowerLawFragments{a}, h, 40, Scheme::paper);
             const double bin = a * h;
             CHECK(own.mass[0] == doctest::Approx(1.0 + std::expm1(-bin) / bin).epsilon(1e-11));
             for (Index m = 1; m < 40; ++m) {
@@ -255,8 +254,8 @@ TEST_CASE("a measured law follows its table, and its pmfs are differences of the
                   doctest::Approx((table.cdf(r + 1e-6) - table.cdf(r - 1e-6)) / 2e-6).epsilon(1e-8));
         }
         for (const double h : {0.003, 0.05, 0.4}) {
-            const FragmentPmf own = fragment_pmf(table, h, 60, FragmentRule::conservative);
-            const FragmentPmf paper = fragment_pmf(table, h, 60, FragmentRule::paper);
+            const FragmentPmf own = fragment_pmf(table, h, 60, Scheme::conservative);
+            const FragmentPmf paper = fragment_pmf(table, h, 60, Scheme::paper);
             for (Index m = 0; m < 60; ++m) {
                 const double top = -static_cast<double>(m) * h;
                 const double here = mean_of_table_cdf(table, top - h, top);
@@ -276,15 +275,15 @@ TEST_CASE("no share of a pmf is negative or lost") {
     for (const TabulatedFragments& table : tables()) laws.emplace_back(table);
     for (const FragmentLaw& law : laws) {
         for (const double h : {0.001, 0.02, 0.3, 1.0}) {
-            for (const FragmentRule rule : {FragmentRule::paper, FragmentRule::conservative}) {
+            for (const Scheme scheme : {Scheme::paper, Scheme::conservative}) {
                 const Index bins = h < 0.01 ? 2000 : 300;
-                const FragmentPmf pmf = fragment_pmf(law, h, bins, rule);
+                const FragmentPmf pmf = fragment_pmf(law, h, bins, scheme);
                 REQUIRE(pmf.mass.size() == at(bins));
                 REQUIRE(pmf.below.size() == at(bins));
                 REQUIRE(helpers::smallest_entry(pmf.mass) >= 0.0);
                 REQUIRE(helpers::smallest_entry(pmf.below) >= 0.0);
                 REQUIRE(pmf.below[0] == 1.0);
-                if (rule == FragmentRule::paper) REQUIRE(pmf.mass[0] == 0.0);
+                if (scheme == Scheme::paper) REQUIRE(pmf.mass[0] == 0.0);
                 long double landed = 0.0L;
                 double worst = 0.0;
                 for (std::size_t m = 0; m < pmf.mass.size(); ++m) {
@@ -300,7 +299,7 @@ TEST_CASE("no share of a pmf is negative or lost") {
 TEST_CASE("laws and sizes outside their range are refused with name, value and rule") {
     using helpers::infinity;
     const auto pmf = [](const FragmentLaw& law, double h = 0.1, Index bins = 8) {
-        return fragment_pmf(law, h, bins, FragmentRule::conservative);
+        return fragment_pmf(law, h, bins, Scheme::conservative);
     };
     CHECK_REFUSED(pmf(WeibullFragments{0.0, 1.0}), "scale is 0; it must be greater than 0 and finite");
     CHECK_REFUSED(pmf(WeibullFragments{-1.0, 1.0}), "scale is -1; it must be greater than 0 and finite");
@@ -343,12 +342,38 @@ TEST_CASE("laws and sizes outside their range are refused with name, value and r
 }
 
 TEST_CASE("a law too steep for the grid has no sum") {
-    for (const comminute::FragmentRule rule :
-         {comminute::FragmentRule::paper, comminute::FragmentRule::conservative}) {
+    for (const Scheme scheme : {Scheme::paper, Scheme::conservative}) {
         for (const double exponent : {300.0, 690.0, 1e5}) {
             const comminute::PowerLawFragments law{exponent};
-            const auto pmf = comminute::fragment_pmf(law, 1.0, 50, rule);
-            CHECK(comminute::exponential_sum(law, 1.0, pmf, rule).coefficient.empty());
+            const auto pmf = comminute::fragment_pmf(law, 1.0, 50, scheme);
+            CHECK(comminute::exponential_sum(law, 1.0, pmf, scheme).coefficient.empty());
         }
     }
+}
+
+TEST_CASE("a law's inverse finds every share of its cdf again") {
+    const FragmentLaw laws[] = {WeibullFragments{},
+                                WeibullFragments{0.3, 2.0},
+                                WeibullFragments{3.0, 0.7},
+                                PowerLawFragments{0.5},
+                                PowerLawFragments{3.0},
+                                LogNormalFragments{},
+                                LogNormalFragments{0.5, 0.4},
+                                TabulatedFragments{{0.25, 0.5, 1.0}, {0.0, 0.4, 1.0}},
+                                TabulatedFragments{{0.1, 0.5, 1.0}, {0.05, 0.4, 1.0}}};
+    for (const FragmentLaw& any : laws) {
+        std::visit(
+            [](const auto& law) {
+                for (const double share : {1e-9, 1e-4, 0.01, 0.2, 0.5, 0.8, 0.999}) {
+                    const double r = law.quantile(share);
+                    CAPTURE(share);
+                    CHECK(r <= 0.0);
+                    CHECK(std::abs(law.cdf(r) - share) < 2e-12 + 1e-12 * share);
+                }
+            },
+            any);
+    }
+    const TabulatedFragments flat{{0.25, 0.5, 0.75, 1.0}, {0.1, 0.4, 0.4, 1.0}};
+    CHECK(flat.quantile(0.4) == std::log(0.5));  // the lower end of a plateau
+    CHECK(flat.quantile(0.4 + 1e-9) > std::log(0.75));
 }

@@ -14,7 +14,7 @@ def examples(header: Path) -> list[str]:
 
 def main(out: Path, headers: list[Path]) -> None:
     """Write the test source; a header without any example only declares plain data."""
-    included = ("comminute/comminute.hpp", "doctest/doctest.h", "cmath", "numeric")
+    included = ("comminute/comminute.hpp", "doctest/doctest.h", "cmath", "mutex", "numeric")
     parts = ["".join(f"#include <{name}>\n" for name in included)]
     for header in headers:
         for number, body in enumerate(examples(header), 1):

@@ -121,7 +121,7 @@ inline comminute::Material random_material(std::mt19937_64& random) {
                     log_uniform(random, 0.05, 20.0));
 }
 
-/// Both engines behind one face, so that each law of the model is put to all of them.
+/// Any stepping engine behind one face, so that each law of the model is put to all of them.
 struct Engine {
     std::string name;
     comminute::Kernel kernel;
@@ -146,27 +146,28 @@ Engine wrap(const std::string& name, E engine) {
             }};
 }
 
-// By what means this build can take a full step of a kernel.
+// The means by which this build can take a full step of a kernel.
 inline std::vector<comminute::StepPath> step_paths(const comminute::Kernel& kernel) {
     std::vector<comminute::StepPath> paths;
 #ifdef COMMINUTE_HAS_FFTW
     paths.push_back(comminute::StepPath::transforms);
 #endif
     const auto sum = comminute::exponential_sum(kernel.material().fragments, kernel.grid().spacing(),
-                                                kernel.fragments(), kernel.rule());
+                                                kernel.fragments(), kernel.options().scheme);
     if (!sum.coefficient.empty() && sum.head == 0) paths.push_back(comminute::StepPath::sums);
     return paths;
 }
 
 inline std::vector<Engine> all_engines(const comminute::LogGrid& grid, const comminute::Material& material,
-                                       comminute::FragmentRule rule = comminute::FragmentRule::paper) {
+                                       comminute::Scheme scheme = comminute::Scheme::paper) {
     std::vector<Engine> engines;
-    engines.push_back(wrap("slow update", comminute::SlowUpdate(grid, material, rule)));
+    engines.push_back(wrap("slow update", comminute::SlowUpdate(grid, material, {scheme})));
     const auto add = [&](const std::string& name, comminute::KernelKind kind, double rate) {
-        const comminute::Kernel kernel(grid, material, kind, rate, rule);
-        for (const comminute::StepPath path : step_paths(kernel)) {
+        const comminute::KernelOptions options{kind, rate, scheme};
+        for (const comminute::StepPath path : step_paths({grid, material, options})) {
             const bool sums = path == comminute::StepPath::sums;
-            engines.push_back(wrap(name + (sums ? ", sums" : ""), comminute::FullConvolution(kernel, path)));
+            engines.push_back(wrap(name + (sums ? ", sums" : ""),
+                                   comminute::FullConvolution(grid, material, {options, path})));
         }
     };
     add("exact", comminute::KernelKind::exact, 0.0);

@@ -13,8 +13,9 @@ ROOMS = ("base", "simd", "model", "zones", "fabric", "gradings", "spreading", "s
 SEES = {"lattice": {"base", "model", "fabric", "gradings", "lattice"}}
 # Public headers that hold no more than declarations, and need no .cpp file.
 WITHOUT_SOURCE = {"view": "base", "export": "base", "version": "base", "scheme": "model"}
-# Libraries that are wrapped in one file, which alone may include their headers.
+# Libraries that are wrapped in one file, or in one room, which alone may include their headers.
 WRAPPED = {"fftw3.h": "stepping/fft_plan.cpp", "Eigen/Core": "base/arrays.hpp"}
+WRAPPED_FOLDERS = {"hwy": "simd"}
 
 INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^">]+)[">]', re.MULTILINE)
 
@@ -55,6 +56,8 @@ def violations(cpp: Path) -> list[str]:
                 found.append(f"{path.relative_to(cpp)}: a public header must not include {included}")
             if included in WRAPPED and not path.as_posix().endswith(WRAPPED[included]):
                 found.append(f"{path.relative_to(cpp)}: only {WRAPPED[included]} may include {included}")
+            if (only := WRAPPED_FOLDERS.get(included.split("/")[0])) not in (None, room):
+                found.append(f"{path.relative_to(cpp)}: only room {only} may include {included}")
     return found
 
 

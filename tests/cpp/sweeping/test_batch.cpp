@@ -68,12 +68,12 @@ TEST_CASE("a batch gives the bits of one solve after another, on any number of t
         for (const double rate : {0.0, 0.3}) {
             CAPTURE(rate);
             Points points(11);
-            const QuasiStatic like(grid, material(0.3), scheme, rate);
+            const QuasiStatic like(grid, material(0.3), {scheme, rate});
             std::vector<double> expected(points.states.size());
             std::vector<double> gradings(at(count * bins));
             std::vector<SolveReport> said(at(count));
             for (Index b = 0; b < count; ++b) {
-                QuasiStatic fresh(grid, material(0.3), scheme, rate);
+                QuasiStatic fresh(grid, material(0.3), {scheme, rate});
                 said[at(b)] = fresh.solve(points.view()[b], points.load[at(b)], points.settled_at[at(b)],
                                           StackView<double>(expected.data(), count, bins)[b]);
                 fresh.marginal(points.view()[b], points.load[at(b)], points.settled_at[at(b)],

@@ -65,18 +65,18 @@ const std::vector<Way> ways = {{"direct", Scheme::conservative, 0.0, SolvePath::
                                {"fast", Scheme::paper, 1.0, SolvePath::automatic}};
 
 QuasiStatic solver_of(const Way& way, const Material& m = material(0.4), const LogGrid& g = grid) {
-    return {g, m, way.scheme, way.rate, way.path};
+    return {g, m, {way.scheme, way.rate, way.path}};
 }
 
 }  // namespace
 
 TEST_CASE("a solver is refused what it cannot use, with value, rule and remedy") {
-    CHECK_REFUSED(QuasiStatic(grid, Material{}, Scheme::paper, -0.1),
+    CHECK_REFUSED(QuasiStatic(grid, Material{}, {Scheme::paper, -0.1}),
                   "loading_rate is -0.1; it must be between 0 and 1");
-    CHECK_REFUSED(QuasiStatic(grid, Material{}, Scheme::paper, not_a_number),
+    CHECK_REFUSED(QuasiStatic(grid, Material{}, {Scheme::paper, not_a_number}),
                   "loading_rate is nan; it must be between 0 and 1");
-    CHECK_REFUSED(QuasiStatic(grid, Material{}, Scheme::paper, 0.5, SolvePath::blend),
-                  "path is blend, which a solve only reports; ask for automatic, direct or sums");
+    CHECK_REFUSED(QuasiStatic(grid, Material{}, {Scheme::paper, 0.5, SolvePath::blend}),
+                  "path is blend; a solve only reports that; it must be automatic, direct or sums");
     CHECK_THROWS_AS(QuasiStatic(grid, material(-1.0)), ParameterError);
 }
 
@@ -195,8 +195,8 @@ TEST_CASE("a solver keeps nothing from one solve to the next") {
         }
         QuasiStatic moved = std::move(used);
         CHECK(solve(moved, start(6), 7.0).state.mass == solve(fresh, start(6), 7.0).state.mass);
-        CHECK(moved.loading_rate() == way.rate);
-        CHECK(moved.path() == way.path);
+        CHECK(moved.options().loading_rate == way.rate);
+        CHECK(moved.options().path == way.path);
     }
 }
 
@@ -218,8 +218,8 @@ TEST_CASE("the smallest grid and grids across blocks and vectors conserve mass o
         std::mt19937_64 random(static_cast<unsigned>(bins));
         const State p = helpers::random_state(bins, random, 1.0, 0.3);
         for (const double n : {0.02, 0.2, 2.0, 50.0}) {
-            QuasiStatic direct(g, material(n), Scheme::conservative, 0.0, SolvePath::direct);
-            QuasiStatic sums(g, material(n), Scheme::conservative, 0.0, SolvePath::sums);
+            QuasiStatic direct(g, material(n), {Scheme::conservative, 0.0, SolvePath::direct});
+            QuasiStatic sums(g, material(n), {Scheme::conservative, 0.0, SolvePath::sums});
             for (const double load : {0.9, 4.0, 300.0}) {
                 const Solved a = solve(direct, p, load);
                 const Solved b = solve(sums, p, load);

@@ -13,9 +13,7 @@ import comminute as cm
 pytest.importorskip("typer")
 pytest.importorskip("h5netcdf")
 
-from typer.testing import CliRunner, Result
-
-from comminute.cli.app import app
+from commands import call
 
 CASE = """
 [material]
@@ -29,10 +27,6 @@ bins = 100
 stress = [1.2, 12.0, 24.0]
 """
 SAND = "size_mm,percent_finer\n2,100\n1,60\n0.5,20\n0.2,0\n"
-
-
-def call(*words: object) -> Result:
-    return CliRunner().invoke(app, [str(word) for word in words])
 
 
 @pytest.fixture

@@ -12,10 +12,11 @@ import kills
 pytest.importorskip("typer")
 pytest.importorskip("h5netcdf")
 
-from test_cli import call
 from typer.testing import Result
 
-from comminute.runs import continuing
+from commands import call
+from comminute.runs.outcomes import Outcome
+from comminute.runs.walk import ContinuumWalker
 
 CASE = kills.case(loads=10)
 OTHER = CASE.replace("first_crush_stress = 1.2", "first_crush_stress = 1.3")
@@ -34,15 +35,15 @@ def whole_run(folder: Path) -> cm.Result:
 
 def stop_after(loads: int, *words: object) -> Result:
     """Call a command and press Ctrl-C when so many loads are finished."""
-    one_load, count = continuing.one_load, iter(range(100))
+    load, count = ContinuumWalker.load, iter(range(100))
 
-    def stop(*args: Any) -> cm.Result:
+    def stop(*args: Any, **options: Any) -> Outcome:
         if next(count) == loads:
             raise KeyboardInterrupt
-        return one_load(*args)
+        return load(*args, **options)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(continuing, "one_load", stop)
+        patch.setattr(ContinuumWalker, "load", stop)
         stopped = call(*words)
     assert stopped.exit_code == 130
     return stopped

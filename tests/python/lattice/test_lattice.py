@@ -198,7 +198,7 @@ def synchronous_walk(
 def test_small_rings_agree_with_a_synchronous_monte_carlo(cells: int, loads: list[float], rule: Scheme) -> None:
     bins = 16 if cells < 4 else 8
     grid, material = cm.LogGrid(-2.5, 0.0, bins), cm.Material(fabric_width=0.4)
-    ring = cm.SmallRing(cells, grid, material, fragment_rule=rule)
+    ring = cm.SmallRing(cells, grid, material, scheme=rule)
     law = ring.start(cm.log_uniform(0.25, 1.0))
     rng = np.random.default_rng(cells)
     count = 400_000 if LONG else 60_000
@@ -219,8 +219,8 @@ def test_the_ring_of_two_is_the_exact_kernel(rule: Scheme) -> None:
     grid, material = cm.LogGrid(-4.0, 0.2, 20), cm.Material(fabric_width=0.5)
     p = np.random.default_rng(0).dirichlet(np.ones(400)).reshape(20, 20)
     for load in (1.0, 8.0, 1e3):
-        step = cm.FullConvolution(grid, material, "exact", fragment_rule=rule).step(p, load)
-        np.testing.assert_allclose(cm.SmallRing(2, grid, material, fragment_rule=rule).step(p, load), step, atol=1e-15)
+        step = cm.FullConvolution(grid, material, "exact", scheme=rule).step(p, load)
+        np.testing.assert_allclose(cm.SmallRing(2, grid, material, scheme=rule).step(p, load), step, atol=1e-15)
 
 
 def test_time_steps_converge_to_the_event_driven_lattice() -> None:
@@ -431,7 +431,7 @@ def test_sizes_are_taken_strictly() -> None:
         cm.Lattice.from_sizes([1.0, 2.0], MATERIAL)  # type: ignore[arg-type]
     with pytest.raises(cm.ShapeError, match="sizes has 2 dimensions; it must have one"):
         cm.Lattice.from_sizes(np.ones((2, 2)), MATERIAL)
-    ring = cm.SmallRing(3, cm.LogGrid(-2.0, 0.0, 8), MATERIAL)
+    ring = cm.SmallRing(3, cm.LogGrid(-2.0, 0.0, 8), MATERIAL, scheme="paper")
     with pytest.raises(cm.ShapeError, match="law has shape"):
         ring.step(np.ones((8, 8)), 1.0)
 

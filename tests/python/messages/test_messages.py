@@ -79,8 +79,12 @@ PARAMETERS: list[tuple[Callable[[], object], str]] = [
         "loading_rate is 1.5; it must be between 0 and 1",
     ),
     (
-        lambda: cm.SlowUpdate(GRID, MATERIAL, fragment_rule="exact"),  # type: ignore[arg-type]
-        "fragment_rule is 'exact'; it must be one of 'paper', 'conservative'",
+        lambda: cm.SlowUpdate(GRID, MATERIAL, scheme="exact"),  # type: ignore[arg-type]
+        "scheme is 'exact'; it must be one of 'conservative', 'paper'",
+    ),
+    (
+        lambda: cm.SlowUpdate(GRID, MATERIAL, scheme="paper").settle(STATE, 2.0, steps=0),
+        "steps is 0; it must be at least 1",
     ),
     (lambda: cm.SlowUpdate(GRID, MATERIAL).settle(STATE, 2.0, steps=0), "steps is 0; it must be at least 1"),
     (
@@ -222,11 +226,11 @@ STATES: list[tuple[Callable[[], object], str]] = [
         "probability[0, 0] is -0.0002687449610319806; a share of the mass must be finite and at least 0",
     ),
     (
-        lambda: cm.SlowUpdate(GRID, MATERIAL).step(STATE * math.inf, 1e6),
+        lambda: cm.SlowUpdate(GRID, MATERIAL, scheme="paper").step(STATE * math.inf, 1e6),
         "is inf; every entry inside the crush zone",
     ),
     (
-        lambda: cm.FullConvolution(GRID, MATERIAL).step(STATE * math.nan, 2.0),
+        lambda: cm.FullConvolution(GRID, MATERIAL, scheme="paper").step(STATE * math.nan, 2.0),
         "p[0, 0] is nan; every entry must be finite",
     ),
 ]
@@ -253,7 +257,7 @@ def test_message(mistake: Callable[[], object], words: str) -> None:
 )
 def test_wrong_shapes_and_orders_are_refused(array: np.ndarray[Any, Any], words: str) -> None:
     with pytest.raises(cm.ShapeError) as raised:
-        cm.SlowUpdate(GRID, MATERIAL).step(array, 2.0)
+        cm.SlowUpdate(GRID, MATERIAL, scheme="paper").step(array, 2.0)
     assert words in str(raised.value)
 
 
@@ -269,12 +273,12 @@ def test_wrong_shapes_and_orders_are_refused(array: np.ndarray[Any, Any], words:
 )
 def test_wrong_types_are_refused(array: Any, words: str) -> None:
     with pytest.raises(TypeError) as raised:
-        cm.SlowUpdate(GRID, MATERIAL).step(array, 2.0)
+        cm.SlowUpdate(GRID, MATERIAL, scheme="paper").step(array, 2.0)
     assert words in str(raised.value)
 
 
 def test_out_must_be_writeable_and_apart() -> None:
-    engine = cm.SlowUpdate(GRID, MATERIAL)
+    engine = cm.SlowUpdate(GRID, MATERIAL, scheme="paper")
     frozen = STATE.copy()
     frozen.flags.writeable = False
     with pytest.raises(cm.ParameterError, match="out is read-only; it must be writeable"):

@@ -93,8 +93,8 @@ def test_the_zone_map_shows_the_zones_and_names_them_inside() -> None:
 @pytest.mark.parametrize(("cell", "zone"), [((33, 14), "10"), ((14, 33), "01"), ((35, 32), "11"), ((2, 30), "00")])
 def test_the_fragment_kernel_is_the_engines(cell: tuple[int, int], zone: str) -> None:
     grid = cm.LogGrid(-4.0, 1.0, 40)
-    ax = plotting.plot_fragment_kernel(grid, WIDE, 8.0, *cell, decades=3.0)
-    kernel = cm.cell_kernel(grid, WIDE, 8.0, *cell)
+    ax = plotting.plot_fragment_kernel(grid, WIDE, 8.0, *cell, decades=3.0, scheme="paper")
+    kernel = cm.cell_kernel(grid, WIDE, 8.0, *cell, scheme="paper")
     drawn = mesh_of(ax)
     shown = kernel.T / kernel.max()
     np.testing.assert_array_equal(drawn.filled(0.0), np.where(shown >= 1e-3, shown, 0.0))

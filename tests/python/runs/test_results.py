@@ -42,8 +42,8 @@ THINGS = [
     cm.power_law(2.0, 0.1, 1.0),
     cm.Grading.from_sieves([1.0, 0.5, 0.2], [100, 10, 2], unit="mm"),
     cm.CrushZones(GRID, MATERIAL, 3.0),
-    cm.SlowUpdate(GRID, MATERIAL, fragment_rule="conservative"),
-    cm.FullConvolution(GRID, MATERIAL, "blend", loading_rate=0.25),
+    cm.SlowUpdate(GRID, MATERIAL, scheme="conservative"),
+    cm.FullConvolution(GRID, MATERIAL, "blend", loading_rate=0.25, scheme="paper"),
     cm.mixed_fabric(cm.power_law(2.0, 0.1, 1.0), GRID, mean="geometric"),
     cm.Simulation(MATERIAL, cm.monodisperse(1.0), grid=GRID),
     RUN,
@@ -58,7 +58,7 @@ THINGS = [
     RINGS,
     RINGS_RUN,
     cm.TimeSteppedLattice(50, MATERIAL, cm.monodisperse(1.0)),
-    cm.SmallRing(3, cm.LogGrid(-3.0, 0.0, 8), MATERIAL),
+    cm.SmallRing(3, cm.LogGrid(-3.0, 0.0, 8), MATERIAL, scheme="paper"),
     cm.compare(RUN, RINGS_RUN),
     cm.SizeCurve.of(SAND),
     SAND.to_sieves([2.0, 1.0, 0.1]),
@@ -68,7 +68,13 @@ THINGS = [
     cm.milling(SAND, SAND),
     cm.Zone(1),
 ]
-FAULTS = [cm.ParameterError("a"), cm.ShapeError("b"), cm.UnavailableError("c"), cm.ResolutionWarning("d")]
+FAULTS = [
+    cm.ParameterError("a"),
+    cm.ShapeError("b"),
+    cm.UnavailableError("c"),
+    cm.ResolutionWarning("d"),
+    cm.EditedFileWarning("e"),
+]
 
 
 @pytest.mark.parametrize("thing", THINGS, ids=lambda thing: type(thing).__name__)

@@ -76,7 +76,7 @@ def test_a_loading_rate_of_its_own_for_each_load_starts_from_where_the_last_one_
 
 def test_each_load_gives_what_the_stepping_engine_gives_by_hand(start: cm.Fabric) -> None:
     result = cm.Simulation(MATERIAL, start).run(stress_ratio=LOADS, engine="slow-update")
-    engine = cm.SlowUpdate(start.grid, MATERIAL, fragment_rule="conservative")
+    engine = cm.SlowUpdate(start.grid, MATERIAL, scheme="conservative")
     p, crushed = start.probability.copy(), 0.0
     for k, load in enumerate(LOADS):
         engine.settle(p, load, out=p)
@@ -193,19 +193,19 @@ def test_ctrl_c_gets_through_to_a_long_settle() -> None:
     alarm = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
     alarm.start()
     with pytest.raises(KeyboardInterrupt):
-        cm.SlowUpdate(grid, material, fragment_rule="conservative").settle(start.probability, 1e4)
+        cm.SlowUpdate(grid, material, scheme="conservative").settle(start.probability, 1e4)
 
 
 def test_the_gil_is_free_during_a_step() -> None:
     """The main thread finishes a long handshake with itself while one single step is still under way."""
     grid = cm.LogGrid(-14.0, 0.0, 2000)
     p = np.full((2000, 2000), 1.0 / 2000**2)
-    engine = cm.FullConvolution(grid, cm.Material(fabric_width=5.0), "exact")
+    engine = cm.FullConvolution(grid, cm.Material(fabric_width=5.0), "exact", scheme="paper")
     assert counts_on_during(lambda: engine.step(p, 1e4, out=p))
 
 
 def test_one_engine_serves_two_threads_in_turn(start: cm.Fabric) -> None:
-    engine = cm.SlowUpdate(start.grid, MATERIAL)
+    engine = cm.SlowUpdate(start.grid, MATERIAL, scheme="paper")
     expected = engine.settle(start.probability, 100.0)
     results: list[np.ndarray] = []
     threads = [

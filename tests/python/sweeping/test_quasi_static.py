@@ -122,9 +122,9 @@ def test_centre_test_is_steps_repeated_to_rest(case: SolveCase, rate: float) -> 
     assume(rate == 0.0 or (case.grid.bins <= 40 and cm.has_fftw))
     solver = cm.QuasiStatic(case.grid, case.material, "paper", rate)
     stepper = (
-        cm.FullConvolution(case.grid, case.material, "blend", loading_rate=rate)
+        cm.FullConvolution(case.grid, case.material, "blend", loading_rate=rate, scheme="paper")
         if rate > 0.0
-        else cm.SlowUpdate(case.grid, case.material)
+        else cm.SlowUpdate(case.grid, case.material, scheme="paper")
     )
     found, expected = solver.solve(case.p, case.stress_ratio), stepper.settle(case.p, case.stress_ratio)
     atol = ROUNDING if rate == 0.0 else 1e-13  # transforms make noise

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.hpp"
+#include "rooms.hpp"
 #include "words.hpp"
 
 namespace {
@@ -12,8 +13,9 @@ py::tuple fields(const SolveReport& r) {
 
 }  // namespace
 
-void register_solve_reports(py::module_& m) {
-    py::class_<SolveReport>(m, "SolveReport", R"doc(What one quasi-static solve did, and how.
+void register_solve_report(py::module_& m) {
+    py::class_<SolveReport>(m, "SolveReport",
+                            R"doc(Report of one quasi-static solve: its path and its crushed mass.
 
 Masses are shares of the whole.
 

@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include "rooms.hpp"
 #include "solver.hpp"
 #include "words.hpp"
 
@@ -10,19 +11,22 @@ namespace {
 using namespace comminute;
 
 py::tuple settings(const Solver& s) {
-    return py::make_tuple(s.get().grid(), s.get().material(), word_of(s.get().scheme()),
-                          s.get().loading_rate(), word_of(s.get().path()));
+    const QuasiStaticOptions& o = s.get().options();
+    return py::make_tuple(s.get().grid(), s.get().material(), word_of(o.scheme), o.loading_rate,
+                          word_of(o.path));
 }
 
 std::unique_ptr<Solver> make(const LogGrid& grid, const Material& material, const std::string& scheme,
                              double loading_rate, const std::string& path) {
     return std::make_unique<Solver>(
-        QuasiStatic(grid, material, choice_of<Scheme>(scheme), loading_rate, choice_of<SolvePath>(path)));
+        QuasiStatic(grid, material, {choice_of<Scheme>(scheme), loading_rate, choice_of<SolvePath>(path)}));
 }
 
 }  // namespace
 
-void register_quasi_static(py::module_& m) {
+void register_sweeping(py::module_& m) {
+    register_solve_report(m);
+    const QuasiStaticOptions defaults;
     py::class_<Solver>(m, "QuasiStatic",
                        R"doc(The state to which infinitely slow loading leads, in one sweep.
 
@@ -62,8 +66,9 @@ Examples
 >>> cm.QuasiStatic(grid, cm.Material()).solve(after, 50.0) == after
 True
 )doc")
-        .def(py::init(&make), py::arg("grid"), py::arg("material"), py::arg("scheme") = "conservative",
-             py::arg("loading_rate") = 0.0, py::kw_only(), py::arg("path") = "automatic")
+        .def(py::init(&make), py::arg("grid"), py::arg("material"),
+             py::arg("scheme") = word_of(defaults.scheme), py::arg("loading_rate") = defaults.loading_rate,
+             py::kw_only(), py::arg("path") = word_of(defaults.path))
         .def("solve", &Solver::solve, py::arg("state"), py::arg("stress_ratio"),
              py::arg("settled_at") = py::none(), py::arg("out") = py::none(),
              R"doc(State at rest under a load.
@@ -77,7 +82,7 @@ stress_ratio : float
 settled_at : float, optional
     For an array: largest load under which it is at rest; None: never loaded. A Fabric carries its own.
 out : ndarray (N, N), optional
-    For an array: where to write the new state; may be `state` itself.
+    For an array: array for the new state; may be `state` itself.
 
 Returns
 -------
@@ -146,7 +151,7 @@ stress_ratio : float or ndarray (B,)
 settled_at : float or ndarray (B,), optional
     Largest load under which each state is at rest, 0: never loaded. None: none was loaded.
 out : ndarray (B, N, N), optional
-    Where to write the new states; may be `states` itself.
+    Array for the new states; may be `states` itself.
 threads : int
     At most so many at a time.
 
@@ -190,7 +195,7 @@ Parameters
 states, stress_ratio, settled_at, threads
     As for `solve_batch`.
 out : ndarray (B, N), optional
-    Where to write the gradings; may not overlap `states`.
+    Array for the gradings; may not overlap `states`.
 
 Returns
 -------
@@ -219,21 +224,21 @@ True
         .def_property_readonly(
             "material", [](const Solver& s) { return s.get().material(); }, "The Material.")
         .def_property_readonly(
-            "scheme", [](const Solver& s) { return word_of(s.get().scheme()); },
+            "scheme", [](const Solver& s) { return word_of(s.get().options().scheme); },
             "\"conservative\" or \"paper\".")
         .def_property_readonly(
-            "loading_rate", [](const Solver& s) { return s.get().loading_rate(); },
+            "loading_rate", [](const Solver& s) { return s.get().options().loading_rate; },
             "Share of the fast kernel.")
         .def_property_readonly(
-            "path", [](const Solver& s) { return word_of(s.get().path()); }, "As it was asked for.")
+            "path", [](const Solver& s) { return word_of(s.get().options().path); }, "As it was asked for.")
         .def(
             "__eq__", [](const Solver& a, const Solver& b) { return settings(a).equal(settings(b)); },
             py::is_operator())
         .def("__repr__",
              [](const Solver& s) {
                  return repr_of("QuasiStatic", "grid", s.get().grid(), "material", s.get().material(),
-                                "scheme", word_of(s.get().scheme()), "loading_rate", s.get().loading_rate(),
-                                "path", word_of(s.get().path()));
+                                "scheme", word_of(s.get().options().scheme), "loading_rate",
+                                s.get().options().loading_rate, "path", word_of(s.get().options().path));
              })
         .def(py::pickle([](const Solver& s) { return settings(s); },
                         [](const py::tuple& t) {

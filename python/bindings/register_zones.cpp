@@ -17,7 +17,7 @@ py::array_t<Index> per_shell(const CrushZones& zones, Index (CrushZones::*distan
     return out;
 }
 
-void register_zones(py::module_& m) {
+void register_crush_zones(py::module_& m) {
     py::native_enum<Zone>(m, "Zone", "enum.IntEnum",
                           "Which of the two grains of a cell (psi, psibar) a load crushes (Eqs. 52-55).")
         .value("REST", Zone::rest, "00: neither")
@@ -100,7 +100,7 @@ Examples
             return out;
         },
         py::arg("grid"), py::arg("material"), py::arg("stress_ratio"),
-        R"doc(Which grain of each cell crushes, tested at bin centres (Eqs. 52-55).
+        R"doc(Grains of each cell that crush, tested at bin centres (Eqs. 52-55).
 
 Zones are closed: a grain exactly at its critical load crushes. The cell (0, 0) never does.
 
@@ -172,7 +172,7 @@ Examples
 
 }  // namespace
 
-void register_criterion(py::module_& m) {
+void register_zones(py::module_& m) {
     m.def("critical_stress_ratio",
           py::vectorize([](const Material* material, double size, double neighbour_size) {
               return comminute::critical_stress_ratio(*material, size, neighbour_size);
@@ -238,5 +238,5 @@ Examples
           }),
           py::arg("material"), py::arg("logspace_load"),
           "Stress ratio of a log-space load g*: the inverse of logspace_load.");
-    register_zones(m);
+    register_crush_zones(m);
 }

@@ -1,24 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.hpp"
+#include "rooms.hpp"
 #include "words.hpp"
+
+namespace {
 
 using namespace comminute;
 
-void register_kernel(py::module_& m) {
+void register_cell_kernel(py::module_& m) {
+    const KernelOptions defaults;
     m.def(
         "cell_kernel",
         [](const LogGrid& grid, const Material& material, double stress_ratio, Index i, Index j,
-           const std::string& kind, double loading_rate, const std::string& rule) {
-            const Kernel kernel(grid, material, choice_of<KernelKind>(kind), loading_rate,
-                                choice_of<FragmentRule>(rule));
+           const std::string& kind, double loading_rate, const std::string& scheme) {
+            const Kernel kernel(grid, material,
+                                {choice_of<KernelKind>(kind), loading_rate, choice_of<Scheme>(scheme)});
             py::array_t<double> out({grid.bins(), grid.bins()});
             kernel.cell(i, j, stress_ratio, matrix_out(out));
             return out;
         },
         py::arg("grid"), py::arg("material"), py::arg("stress_ratio"), py::arg("i"), py::arg("j"),
-        py::arg("kind") = "exact", py::kw_only(), py::arg("loading_rate") = 0.0,
-        py::arg("fragment_rule") = "paper",
-        R"doc(Where unit mass of one cell goes in one step (Fig. 5).
+        py::arg("kind") = word_of(KernelKind::exact), py::kw_only(),
+        py::arg("loading_rate") = defaults.loading_rate, py::arg("scheme") = word_of(defaults.scheme),
+        R"doc(Places to which unit mass of one cell goes in one step (Fig. 5).
 
 Parameters
 ----------
@@ -31,9 +35,10 @@ i, j : int
 kind : {"exact", "slow", "fast", "blend"}
     Eq. 59, 63, 68 or 67.
 loading_rate : float
-    For "blend": share of the fast kernel, in [0, 1].
-fragment_rule : {"paper", "conservative"}
-    See `fragment_pmf`.
+    Share of the fast kernel in a "blend", in [0, 1].
+scheme : {"conservative", "paper"}
+    Fragments on the grid, as in `fragment_pmf`: "conservative" are finite volumes, under "paper" every
+    crush moves at least one bin, as in Fig. 5. Under either the cell's zone is that of its centre.
 
 Returns
 -------
@@ -52,8 +57,10 @@ Examples
 >>> kernel[60, :].sum().round(12), kernel[:, 60].sum().round(12)   # equals: half of each crushes
 (np.float64(0.5), np.float64(0.5))
 )doc");
+}
 
-    py::class_<StepReport>(m, "StepReport", R"doc(What one step, or a run of steps, did.
+void register_step_report(py::module_& m) {
+    py::class_<StepReport>(m, "StepReport", R"doc(Report of one step, or of a run of steps.
 
 Masses are in the unit of the state, whose total is usually 1.)doc")
         .def(py::init([](double active, double crushed, double crushed_neighbour, Index steps, Index terms) {
@@ -87,4 +94,13 @@ Masses are in the unit of the state, whose total is usually 1.)doc")
                 return StepReport{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(),
                                   t[3].cast<Index>(), t[4].cast<Index>()};
             }));
+}
+
+}  // namespace
+
+void register_stepping(py::module_& m) {
+    register_cell_kernel(m);
+    register_step_report(m);
+    register_slow_update(m);
+    register_full_convolution(m);
 }

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "arrays.hpp"
+#include "rooms.hpp"
+#include "words.hpp"
+
+using namespace comminute;
+
+void register_gradings(py::module_& m) {
+    register_grading(m);
+    register_ideal_gradings(m);
+    m.def(
+        "mixed_fabric",
+        [](const Grading& grading, const LogGrid& grid, const std::string& mean, const std::string& points) {
+            const Mean how = choice_of<Mean>(mean);
+            const PointHandling handling = choice_of<PointHandling>(points);
+            const py::gil_scoped_release release;
+            return mixed_fabric(grading, grid, how, handling);
+        },
+        py::arg("grading"), py::arg("grid"), py::kw_only(), py::arg("mean") = "arithmetic",
+        py::arg("points") = "exact",
+        R"doc(Completely mixed grains of a grading: neighbours independent of the grain (Eq. 64).
+
+The fines bin stands for its centre.
+
+Parameters
+----------
+grading : Grading
+grid : LogGrid
+mean : {"arithmetic", "geometric"}
+    How two neighbours make a neighbourhood grainsize: Eq. 48 or 65.
+points : {"exact", "binned"}
+    Treatment of the sizes of a monodisperse or gap-graded start: they stay exact, as atoms, until
+    they crush; or they go to the bins that hold them, for engines that know bins only.
+
+Returns
+-------
+Fabric
+
+Raises
+------
+ParameterError
+    If a grain is larger than the grid's last edge.
+
+Examples
+--------
+>>> import comminute as cm
+>>> fabric = cm.mixed_fabric(cm.gap_graded(1.0, 0.1), cm.LogGrid(-6.0, 0.0, 61))
+>>> fabric.cdf()[-1].round(12)
+np.float64(1.0)
+)doc");
+    using namespace py::literals;
+    const GridOptions standard;
+    tell_defaults(m, "fitting_grid",
+                  py::dict("spacing"_a = standard.spacing, "bins"_a = standard.bins,
+                           "psi_min"_a = standard.psi_min, "psi_max"_a = standard.psi_max));
+    m.def(
+        "fitting_grid",
+        [](const Grading& grading, const Material& material, double max_stress_ratio, double spacing,
+           std::optional<Index> bins, std::optional<double> psi_min, std::optional<double> psi_max) {
+            return fitting_grid(grading, material, max_stress_ratio,
+                                GridOptions{spacing, bins, psi_min, psi_max});
+        },
+        py::arg("grading"), py::arg("material"), py::arg("max_stress_ratio"), py::kw_only(),
+        py::arg("spacing") = standard.spacing, py::arg("bins") = standard.bins,
+        py::arg("psi_min") = standard.psi_min, py::arg("psi_max") = standard.psi_max,
+        R"doc(A grid that fits a grading and the loads to come.
+
+Its top edge is at the largest grain (point masses sit on bin centres), its fines bin below the
+finest grains and below the crush zone of the largest load, with room for their fragments. Bins or
+ends may be given; the rest is then chosen to suit them.
+
+Parameters
+----------
+grading : Grading
+material : Material
+max_stress_ratio : float
+    Largest load to come, >= 0; finite, unless bins and both ends are given.
+spacing : float
+    Wanted bin width in psi; the grid's is no larger, unless that would take more than 2000 bins or
+    `bins` is given.
+bins : int, optional
+    Number of bins, >= 8.
+psi_min, psi_max : float, optional
+    Log sizes at the centres of the fines bin and of the last bin.
+
+Returns
+-------
+LogGrid
+
+Raises
+------
+ParameterError
+    For a load, spacing, number of bins or end outside its range.
+
+Examples
+--------
+>>> import comminute as cm
+>>> grid = cm.fitting_grid(cm.monodisperse(1.0), cm.Material(), 1e4)
+>>> grid.psi_max, grid.psi_min < -9.2
+(0.0, True)
+>>> cm.fitting_grid(cm.gap_graded(1.0, 0.1), cm.Material(), 1e4, bins=256).bins
+256
+)doc");
+    m.def(
+        "_curve_on_grid",
+        [](const LogGrid& grid, const py::object& cdf, const std::vector<PointMass>& points) {
+            const auto finer = strict_array(cdf, {grid.bins()}, "cdf");
+            const CurvePoints curve =
+                curve_on_grid(grid, VectorView<const double>(finer.data(), finer.size()), points);
+            return py::make_tuple(copied(curve.size), copied(curve.finer_than), curve.tail_slope);
+        },
+        "Points of a cdf on a grid, for `SizeCurve.on_grid`: sizes, fractions finer, slope of the tail.");
+    m.def(
+        "_first_at_least",
+        [](const std::vector<double>& size, const std::vector<double>& finer, double tail_slope,
+           double share) {
+            return CurvePoints{size, finer, tail_slope}.quantile(share);
+        },
+        "inf{d : F(d) >= share} of a curve's points, for `SizeCurve.percentile`.");
+    m.def(
+        "percentile",
+        [](const LogGrid& grid, const py::object& cdf, double percent, bool extrapolate,
+           const std::vector<PointMass>& points) {
+            const auto finer = strict_array(cdf, {grid.bins()}, "cdf");
+            return percentile(grid, VectorView<const double>(finer.data(), finer.size()), percent,
+                              extrapolate, points);
+        },
+        py::arg("grid"), py::arg("cdf"), py::arg("percent"), py::kw_only(), py::arg("extrapolate") = false,
+        py::arg("points") = std::vector<PointMass>(),
+        R"doc(Size D_x such that `percent` of the mass is finer.
+
+inf{d : F(d) >= percent / 100}, linear in ln d inside a bin; on a plateau this is its lower end, and D100 is the
+upper edge of the coarsest bin that holds mass, or an exact size where that is all it holds.
+
+Parameters
+----------
+grid : LogGrid
+cdf : ndarray (N,)
+    Fraction finer than the upper edge of each bin.
+percent : float
+    In [0, 100].
+extrapolate : bool
+    Continue a curve that ends in the fines bin as a power law through its two finest points.
+points : sequence of PointMass
+    Exact sizes that are part of `cdf`, fine to coarse: it jumps there, inside their bin.
+
+Returns
+-------
+float
+
+Raises
+------
+ParameterError
+    If D_x lies in the fines bin, where no size is known, or above the largest size; for a cdf that falls, or is not
+    finite.
+
+Examples
+--------
+>>> import comminute as cm
+>>> grid = cm.LogGrid(-6.0, 0.0, 61)
+>>> cdf = cm.mixed_fabric(cm.power_law(2.0, 0.01, 1.0), grid).cdf()
+>>> bool(0.4 < cm.percentile(grid, cdf, 50) < 0.6)
+True
+)doc");
+}

@@ -1,0 +1,139 @@
+"""Runs of the continuum along a load path, from a start or from where an earlier result ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from comminute._core import Fabric, Material, ParameterError, remix
+from comminute.runs.load_path import LoadPath
+from comminute.runs.outcomes import Outcome, outcomes_of, rows
+from comminute.runs.path_run import PathRun
+from comminute.runs.recipe import Recipe
+from comminute.runs.remarks import explained, resolution_warnings
+from comminute.runs.results import ResultData
+from comminute.runs.walk import ContinuumWalker
+from comminute.util.choices import Scheme
+
+R = TypeVar("R", bound=ResultData)
+
+
+@dataclass(frozen=True)
+class Setup:
+    """Everything that is the same at all loads of a run.
+
+    Attributes
+    ----------
+    material : Material
+    start : Fabric
+        State before the first load.
+    scheme : {"conservative", "paper"}
+        Scheme by which the continuum becomes bins; see `QuasiStatic`.
+    unit : str
+        Unit of the sizes; empty where they are relative.
+    notes : tuple of str
+        Assumptions made about the start, to stand first in the notes of the result.
+    """
+
+    material: Material
+    start: Fabric
+    scheme: Scheme
+    unit: str = ""
+    notes: tuple[str, ...] = ()
+
+
+def setup_of(result: ResultData) -> Setup:
+    """Give the setup of the run that made a result; its notes without those to which its loads gave rise."""
+    said_of_loads = explained(result.stress_ratio, result.crushes)
+    notes = tuple(note for note in result.notes if note not in said_of_loads)
+    scheme: Scheme = result.scheme  # type: ignore[assignment]
+    return Setup(result.material, result.start, scheme, result.unit, notes)
+
+
+def recipe_of(result: ResultData) -> Recipe:
+    """Recipe of a result; an error where it carries none."""
+    if result.recipe is None:
+        raise ParameterError("the result does not say how it was made (recipe is None); run it with Simulation.run")
+    return result.recipe
+
+
+def next_start(result: ResultData) -> Fabric:
+    """Fabric from which the next load goes on: the one after the last load, remixed where the recipe says so."""
+    last = result.stress_ratio.size - 1
+    fabric = result.fabric(last)
+    return remix(fabric) if last in recipe_of(result).remix_after else fabric
+
+
+def continuum_run(
+    make: Callable[..., R],
+    setup: Setup,
+    path: LoadPath,
+    recipe: Recipe,
+    *,
+    wanted: frozenset[int],
+    keep_latest: bool = False,
+    earlier: R | None = None,
+) -> PathRun[Outcome, R]:
+    """Run of the continuum along a load path; the loads are taken when it is iterated over.
+
+    Parameters
+    ----------
+    make : callable
+        Class of the result, which takes the fields of `ResultData` by name.
+    setup : Setup
+    path : LoadPath
+        All loads, those of the earlier result first.
+    recipe : Recipe
+        Kernels and engines of the loads, for the result to carry.
+    wanted, keep_latest
+        Fabrics that are kept; see `PathRun`.
+    earlier : ResultData, optional
+        Result of the first loads, after which the run goes on, each load from the fabric after the one before.
+
+    Returns
+    -------
+    PathRun
+
+    Raises
+    ------
+    ParameterError
+        For a load that the engine asked for cannot take, or an earlier result without its last fabric.
+    """
+    finished: list[Outcome] = []
+    if earlier is None:
+        walker = ContinuumWalker(setup.start, setup.material, setup.scheme, recipe)
+    else:
+        finished, crushed = outcomes_of(earlier), float(earlier.crushes[-1])
+        walker = ContinuumWalker(
+            next_start(earlier), setup.material, setup.scheme, recipe, crushed=crushed, engine=earlier.engine
+        )
+
+    def result_of(outcomes: Sequence[Outcome]) -> R:
+        if earlier is not None and len(outcomes) == len(finished):
+            return earlier
+        fields = rows(path, outcomes)
+        ratios, crushes = fields["stress_ratio"], fields["crushes"]
+        warnings = resolution_warnings(setup.start.grid, setup.material, ratios, fields["pmf"], setup.unit)
+        return make(
+            material=setup.material,
+            grid=setup.start.grid,
+            start=setup.start,
+            unit=setup.unit,
+            engine=walker.engine,
+            scheme=setup.scheme,
+            notes=(*setup.notes, *explained(ratios, crushes)),
+            warnings=tuple(warnings),
+            recipe=recipe.of_first(len(outcomes)),
+            **fields,
+        )
+
+    return PathRun(
+        walker,
+        path,
+        result_of,
+        wanted=wanted,
+        chained=recipe.chained or earlier is not None,
+        keep_latest=keep_latest,
+        finished=finished,
+    )

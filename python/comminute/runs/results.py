@@ -1,0 +1,170 @@
+"""Results of runs as plain data: one row per load, and what can be read from the rows without a file or a picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from comminute._core import Fabric, LogGrid, Material, ParameterError, PointMass, SolveReport, StepReport, percentile
+from comminute.gradings.curves import SizeCurve
+from comminute.runs.recipe import Recipe
+from comminute.util.equality import same_values
+
+Floats = npt.NDArray[np.float64]
+Report = SolveReport | StepReport
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ResultData:
+    """Gradings of a packing along a load path: T loads, N bins; see `Result`, which adds files, plots and `resume`.
+
+    Engines make these fields, files hold them, and every other room reads them.
+    """
+
+    material: Material
+    grid: LogGrid
+    start: Fabric
+    unit: str
+    stress_ratio: Floats
+    stress: Floats | None
+    pmf: Floats
+    crushes: Floats
+    mass_error: Floats
+    engine: str
+    scheme: str
+    notes: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    fabrics: tuple[Fabric | None, ...] = field(default=())
+    points: tuple[tuple[PointMass, ...], ...] = field(default=())
+    reports: tuple[Report, ...] = field(default=())
+    recipe: Recipe | None = None
+
+    @property
+    def psi(self) -> Floats:
+        """(N,) log sizes, centres of the bins."""
+        return self.grid.centres
+
+    @property
+    def size(self) -> Floats:
+        """(N,) sizes at the centres of the bins."""
+        return self.grid.sizes
+
+    @property
+    def edge_size(self) -> Floats:
+        """(N,) sizes at the upper edges of the bins, where `cdf` is read."""
+        return self.grid.edge_sizes[1:]
+
+    @property
+    def cdf(self) -> Floats:
+        """(T, N) mass fraction finer than `edge_size`."""
+        return np.cumsum(self.pmf, axis=1)
+
+    @property
+    def fines(self) -> Floats:
+        """(T,) share of the mass in the fines bin."""
+        return self.pmf[:, 0]
+
+    def percentile(self, percent: float, *, extrapolate: bool = False) -> Floats:
+        """Size D_x after each load, such that `percent` of the mass is finer; see `comminute.percentile`.
+
+        Mass in a bin is even in ln d between its edges, so D100 is the upper edge of the coarsest bin that holds
+        mass (more than 1e-12 of it): above the largest grain, but by less than a bin. Where only an exact size is
+        left there, as in a gap-graded packing before its coarse grains crush, D100 is that size.
+
+        Parameters
+        ----------
+        percent : float
+            Share of the mass that is finer, in per cent, in [0, 100].
+        extrapolate : bool
+            Whether to continue a curve that ends in the fines bin as a power law.
+
+        Returns
+        -------
+        ndarray (T,)
+
+        Raises
+        ------
+        ParameterError
+            If D_x lies in the fines bin after some load.
+        """
+        points = self.points or ((),) * len(self.pmf)
+        sizes = [
+            percentile(self.grid, finer, percent, extrapolate=extrapolate, points=exact)
+            for finer, exact in zip(self.cdf, points, strict=True)
+        ]
+        return np.array(sizes)
+
+    def curve(self, k: int = -1) -> SizeCurve:
+        """Grading curve after load k, for the indices (`comminute.uniformity` and so on).
+
+        Parameters
+        ----------
+        k : int
+            Index of the load.
+
+        Returns
+        -------
+        SizeCurve
+            Curve with its jumps where sizes are exact.
+
+        Examples
+        --------
+        >>> import comminute as cm
+        >>> curve = cm.Simulation(cm.Material(), cm.monodisperse(1.0)).run(stress_ratio=1.0).curve()
+        >>> without, including = curve.finer[curve.size == 1.0]
+        >>> float((including - without).round(12))
+        0.5
+        """
+        exact = self.points[k] if self.points else ()
+        return SizeCurve.on_grid(self.grid, np.cumsum(self.pmf[k]), self.unit, exact)
+
+    @property
+    def start_curve(self) -> SizeCurve:
+        """Grading curve before the first load, on the same grid."""
+        return SizeCurve.on_grid(self.grid, self.start.cdf(), self.unit, self.start.points)
+
+    def fabric(self, k: int) -> Fabric:
+        """Fabric after load k (before the remixing, where load k is followed by one).
+
+        Raises
+        ------
+        ParameterError
+            If that fabric was not kept.
+        IndexError
+            If there is no load k.
+        """
+        kept = self.fabrics[k]
+        if kept is None:
+            raise ParameterError(f"the fabric after load {k} was not kept; add {k} to keep_fabrics of run")
+        return kept
+
+    def __eq__(self, other: object) -> bool:
+        """Equal in every number and setting."""
+        if not isinstance(other, ResultData):
+            return NotImplemented
+        return type(self) is type(other) and same_values(vars(self).values(), vars(other).values())
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        loads = f"{self.stress_ratio.size} loads up to {self.stress_ratio.max():g}"
+        what = f"engine {self.engine}, {self.crushes[-1]:.3g} crushes a cell"
+        return f"<{type(self).__name__}: {loads}, {self.grid.bins} bins, {what}>"
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class LatticeData(ResultData):
+    """Gradings of a lattice along a load path, with the scatter between its replicas; see `LatticeResult`."""
+
+    cells: int
+    replicas: int
+    seed: int
+    cdf_error: Floats
+    crushes_error: Floats
+
+    def __repr__(self) -> str:
+        loads = f"{self.stress_ratio.size} loads up to {self.stress_ratio.max():g}"
+        rings = f"{self.replicas} x {self.cells} cells, {self.crushes[-1]:.3g} crushes a cell"
+        return f"<{type(self).__name__}: {loads}, {self.grid.bins} bins, engine {self.engine}, {rings}>"
