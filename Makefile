@@ -86,7 +86,7 @@ check: lint sanitize test
 check-long: $(VENV)/.installed
 	COMMINUTE_HYPOTHESIS=long $(PY) -m pytest -q tests/laws/test_against_reference.py tests/laws/test_laws.py \
 	  tests/python/lattice/test_lattice.py
-	$(PY) tests/support/mutations.py 60000 30000 20000
+	$(PY) tests/support/mutations.py 60000 30000 20000 100000
 	$(PY) tests/support/kills.py 50
 	$(PY) tests/long/fuzz_quasi_static.py
 	$(PY) tests/long/lattice_statistics.py

@@ -117,11 +117,13 @@ size : sequence of float
     Two or more sieve openings > 0, in any order, all different.
 percent_finer : sequence of float
     Per cent of the mass finer than each, 0 to 100, never falling with size, 100 at the coarsest. A
-    curve that ends at exactly 1 is read as fractions; `notes` says so.
+    curve whose top lies between 0.9 and 1 is read as fractions; `notes` says so. What sums leave
+    behind, 100.00000000000001 or -5e-15, is 100 and 0.
 unit : str
     Unit of the sizes, carried along as text.
 top : {"error", "extend"}
-    A curve that stops short of 100 % is refused, or its last slope is carried on.
+    A curve that stops short of 100 % is refused, or its last slope is carried on, as far as the next
+    sieve, twice the coarsest, at most.
 number : bool
     The shares count grains. They are converted to mass with weights of size cubed, mass taken as
     even in ln(size) between sieves; `notes` says so.

@@ -13,6 +13,7 @@ Examples
 True
 """
 
+import comminute.util.keywords  # noqa: F401  (before the names of the core are taken from it)
 from comminute._core import (
     Atom,
     CrushZones,
@@ -71,7 +72,8 @@ from comminute.gradings.breakage import (
 )
 from comminute.gradings.curves import SieveTable, SizeCurve
 from comminute.gradings.indices import FolkWard, Milling, curvature, fines_share, folk_ward, milling, phi, uniformity
-from comminute.gradings.sieves import sieve_size, sieve_sizes
+from comminute.gradings.openings import sieve_size
+from comminute.gradings.sieves import sieve_sizes
 from comminute.lattice.comparison import Comparison, compare
 from comminute.lattice.small_ring import SmallRing
 from comminute.lattices import Lattice, TimeSteppedLattice

@@ -359,6 +359,11 @@ class Grading:
         unit: str | None = ...,
         top: Literal["error", "extend"] = ...,
         number: bool = ...,
+        sheet: str | int | None = ...,
+        sample: str | int | None = ...,
+        mesh: Literal["astm", "tyler"] | None = ...,
+        total_mass_g: float | None = ...,
+        edges: Literal["lower", "upper"] | None = ...,
     ) -> Grading: ...
     def to_sieves(self, sieves: str | _Many) -> SieveTable: ...
     def with_unit(self, unit: str) -> Grading: ...

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Callable, Iterable
 from typing import Literal
@@ -13,6 +14,18 @@ from comminute.runs.load_path import Keep, load_path, wanted_fabrics
 from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning
 from comminute.util.choices import EngineName, Kind, Mean, Scheme, require_word
+from comminute.util.keywords import suggests_keywords
+
+
+def _require_parts(material: object, start: object) -> None:
+    """Raise TypeError at once for what is no material or no start, and say what to do with a file."""
+    if not isinstance(material, Material):
+        raise TypeError(f"material is a {type(material).__name__}; it must be a Material")
+    if isinstance(start, str | os.PathLike):
+        name = os.fspath(start)
+        raise TypeError(f"start is '{name}', the name of a file; read it first: Grading.read('{name}')")
+    if not isinstance(start, Grading | Fabric):
+        raise TypeError(f"start is a {type(start).__name__}; it must be a Grading or a Fabric")
 
 
 class Simulation:
@@ -46,6 +59,7 @@ class Simulation:
     (np.float64(0.0), True)
     """
 
+    @suggests_keywords
     def __init__(
         self,
         material: Material,
@@ -55,6 +69,7 @@ class Simulation:
         mean: Mean = "arithmetic",
         scheme: Scheme = "conservative",
     ) -> None:
+        _require_parts(material, start)
         require_word("scheme", scheme, Scheme)
         require_word("mean", mean, Mean)
         if isinstance(start, Fabric) and grid is not None and grid != start.grid:
@@ -99,6 +114,7 @@ class Simulation:
             return Setup(self.material, fabric, self.scheme, self.start.unit, self.start.notes)
         return Setup(self.material, fabric, self.scheme)
 
+    @suggests_keywords
     def run(
         self,
         stress_ratio: float | Iterable[float] | None = None,

@@ -1,7 +1,8 @@
 """Inputs gone wrong: mutated sieve tables, case files and result files, and the one rule for what may come of them.
 
-As a script: `python tests/support/mutations.py CSV TOML NETCDF`, the numbers of inputs of each kind; every input is
-read in a child process, so that a crash or a hang of a library below is found as one.
+As a script: `python tests/support/mutations.py CSV TOML NETCDF [LAB]`, the numbers of inputs of each kind; every input
+is read in a child process, so that a crash or a hang of a library below is found as one. The kind `lab` is not
+mutated: its tables are written in the styles of laboratories, and rows given must be rows read, or the table refused.
 """
 
 from __future__ import annotations
@@ -17,12 +18,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from lab_tables import table
 
 import comminute as cm
 
 SANDS = Path(__file__).parents[2] / "examples" / "sands"
 SECONDS = 20  # more than any reading takes; what takes longer hangs
 BATCH = 2000
+LAB_SEEDS = 60  # tables in the styles of laboratories among the good ones
 LONG = 100_000  # inputs in all, from which on the run writes its report
 REPORT = Path(__file__).parents[2] / "docs" / "validation" / "mutated-inputs.md"
 TOKENS = [b"", b"nan", b"inf", b"-1", b"0", b"1e999", b"1e-999", b"1e300", b"pan", b"\x00", b"\xff", b"\n", b"\r", b'"']
@@ -72,6 +75,7 @@ def seeds(kind: str) -> list[bytes]:
         plain = [path.read_bytes() for path in sorted(SANDS.glob("*.csv"))]
         return [
             *plain,
+            *(table(random.Random(number)).text.encode() for number in range(LAB_SEEDS)),
             b"size_um;mass_retained_g\n2000;0\n1000;30,5\n500;50\npan;19,5\n",
             b"phi,percent_retained\n-1,0\n0,99\npan,1\n",
         ]
@@ -121,6 +125,27 @@ def read_csv(path: Path) -> None:
     assert math.isclose(table.percent_retained.sum() + table.pan, 100.0, abs_tol=1e-9), "mass is lost"
 
 
+def read_lab(number: int, path: Path) -> bool:
+    """Whether a table in the style of a laboratory is read; what is read must have its rows, each with its values."""
+    from comminute.gradings.reading import read_sieves  # noqa: PLC0415
+    from comminute.gradings.sieves import convert  # noqa: PLC0415
+    from comminute.gradings.values import as_per_cent  # noqa: PLC0415
+
+    made = table(random.Random(number))
+    path.write_text(made.text, encoding="utf-8")
+    try:
+        data = read_sieves(path)
+    except cm.ParameterError as error:
+        return words_of_refusal(error)
+    sizes = [convert(size, data.unit, "mm") for size in data.size]
+    found = sorted(zip(sizes, as_per_cent(list(data.percent_finer)), strict=True))
+    wanted = sorted(zip(made.size, made.finer, strict=True))
+    for (size, finer), (size_there, finer_there) in zip(found, wanted, strict=True):
+        assert math.isclose(size, size_there, rel_tol=1e-9), "a sieve has another size"
+        assert math.isclose(finer, finer_there, abs_tol=1e-6), "a sieve has another share"
+    return True
+
+
 def read_toml(path: Path) -> None:
     """Read a case; what is read must survive its own text."""
     from comminute.cases.reading import case_of_text, read_case  # noqa: PLC0415  (pydantic is optional)
@@ -157,27 +182,34 @@ def try_one(kind: str, data: bytes, folder: Path) -> bool:
     try:
         READERS[kind](path)
     except cm.ParameterError as error:
-        message = str(error)
-        assert message.isprintable(), f"the message is not one line of text: {message!r}"
-        assert len(message) < 600, f"the message has {len(message)} characters"
-        return False
+        return words_of_refusal(error)
     return True
+
+
+def words_of_refusal(error: cm.ParameterError) -> bool:
+    """Give False, for an input that is not read, after a look at the message: one line of words."""
+    message = str(error)
+    assert message.isprintable(), f"the message is not one line of text: {message!r}"
+    assert len(message) < 600, f"the message has {len(message)} characters"
+    return False
 
 
 def batch(kind: str, first: int, count: int) -> None:
     """Try inputs number `first` and on; the number is the seed of the mutation."""
-    good = seeds(kind)
+    good = [] if kind == "lab" else seeds(kind)
     read = 0
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for path in SANDS.glob("*.csv"):
             (folder / path.name).write_bytes(path.read_bytes())
         for number in range(first, first + count):
-            chance = random.Random(number)
-            data = mutated(chance.choice(good), chance, binary=kind == "nc")
             print(number, file=sys.stderr)
             signal.alarm(SECONDS)
-            read += try_one(kind, data, folder)
+            if kind == "lab":
+                read += read_lab(number, folder / "lab.csv")
+            else:
+                chance = random.Random(number)
+                read += try_one(kind, mutated(chance.choice(good), chance, binary=kind == "nc"), folder)
             signal.alarm(0)
     print(read)
 
@@ -198,7 +230,8 @@ def main(counts: dict[str, int]) -> int:
             reason = done.stderr.splitlines()[-1] if done.stderr else ""
             lines.append(f"{kind} input {number}: exit code {done.returncode}, {reason}")
             print(lines[-1])
-        lines.append(f"{kind}: {count} mutated inputs, {read} read, the others refused in words")
+        made = "tables in styles of laboratories" if kind == "lab" else "mutated inputs"
+        lines.append(f"{kind}: {count} {made}, {read} read, the others refused in words")
         print(lines[-1])
     if sum(counts.values()) >= LONG:
         REPORT.write_text(page(lines, failures), encoding="utf-8")
@@ -224,4 +257,4 @@ if __name__ == "__main__":
     if sys.argv[1] == "--batch":
         batch(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
     else:
-        sys.exit(main(dict(zip(("csv", "toml", "nc"), (int(word) for word in sys.argv[1:4]), strict=True))))
+        sys.exit(main(dict(zip(("csv", "toml", "nc", "lab"), (int(word) for word in sys.argv[1:5]), strict=False))))

@@ -186,7 +186,7 @@ COMMINUTE_API Grading rosin_rammler(double d63, double exponent,
                                     std::optional<double> largest = std::nullopt);
 /// @param size           two or more sieve openings in any order, all different
 /// @param percent_finer  one a sieve, 0 to 100, never falling with size, 100 at the coarsest; a curve that ends at
-///                       exactly 1 is read as fractions (a note says so). Errors name a point as the row of a table,
+///                       near 1 (0.9 to 1) is read as fractions (a note says so). Errors name a point as the row of a table,
 ///                       counted from 1 in the order given
 COMMINUTE_API Grading sieve_grading(const std::vector<double>& size, const std::vector<double>& percent_finer,
                                     const SieveOptions& options = {});

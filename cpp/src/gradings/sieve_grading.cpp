@@ -23,6 +23,16 @@ struct Point {
     Place place() const { return {.name = "", .row = row}; }
 };
 
+constexpr double residue = 1e-9;  // per cent by which the sums of a spreadsheet may miss 0 and 100
+constexpr double least_fraction = 0.9, most_fraction = 1.1;  // tops between these are tops of fractions
+constexpr double most_extension = 2.0;  // ratio of one sieve to the next of the widest series
+
+// 100.00000000000001 is 100, and -5e-15 is 0: what adding up leaves behind is no finding.
+double without_residue(double percent) {
+    if (std::abs(percent - 100.0) <= residue) return 100.0;
+    return std::abs(percent) <= residue ? 0.0 : percent;
+}
+
 std::vector<Point> sorted_points(const std::vector<double>& size, const std::vector<double>& percent_finer) {
     const auto count = static_cast<Index>(size.size());
     require_entries(static_cast<Index>(percent_finer.size()), count, entry("percent_finer"),
@@ -37,7 +47,7 @@ std::vector<Point> sorted_points(const std::vector<double>& size, const std::vec
     }
     std::vector<Point> points;
     for (std::size_t q = 0; q < size.size(); ++q) {
-        const Point point{size[q], percent_finer[q], static_cast<Index>(q) + 1};
+        const Point point{size[q], without_residue(percent_finer[q]), static_cast<Index>(q) + 1};
         const auto require_in_row = [&point](bool ok, const char* column, double value, const char* rule) {
             if (ok) return;
             throw ParameterError({.parameter = column,
@@ -57,11 +67,30 @@ std::vector<Point> sorted_points(const std::vector<double>& size, const std::vec
     return points;
 }
 
-void require_rising(const std::vector<Point>& points, const std::string& unit) {
+// A curve whose top lies near 1 is one of fractions, and one that stays below has no top to be told by.
+void read_fractions(std::vector<Point>& points, std::vector<std::string>& notes) {
+    const auto by_finer = [](const Point& p, const Point& q) { return p.finer < q.finer; };
+    const double top = std::max_element(points.begin(), points.end(), by_finer)->finer;
+    if (top == 0.0 || top > most_fraction) return;
+    if (top < least_fraction || top > 1.0 + residue / 100.0) {
+        throw ParameterError({.parameter = "percent_finer",
+                              .value = rounded(top),
+                              .number = top,
+                              .subject = "the largest percent_finer",
+                              .finding = "is " + rounded(top),
+                              .rule = "fractions end at 1, and per cent at 100; give per cent"});
+    }
+    for (Point& point : points) point.finer = without_residue(100.0 * point.finer);
+    notes.emplace_back("the values end at " + std::string(top == 1.0 ? "1" : rounded(top)) +
+                       ": read as fractions, not per cent");
+}
+
+void require_rising(std::vector<Point>& points, const std::string& unit) {
     const std::string in_unit = unit.empty() ? "" : " " + unit;
     for (std::size_t q = 1; q < points.size(); ++q) {
         const Point& below = points[q - 1];
-        const Point& here = points[q];
+        Point& here = points[q];
+        if (here.finer < below.finer && here.finer >= below.finer - residue) here.finer = below.finer;
         if (here.size == below.size) {
             throw ParameterError({.parameter = "size",
                                   .value = text(here.size),
@@ -94,7 +123,7 @@ void close_top(std::vector<Point>& points, const std::string& unit, bool extend,
     const Point before = points[points.size() - 2];
     const std::string in_unit = unit.empty() ? "" : " " + unit;
     const std::string coarsest = "the coarsest sieve, " + text(last.size) + in_unit + ",";
-    const std::string found = "has " + text(last.finer) + " % finer, not 100 %";
+    const std::string found = "has " + rounded(last.finer) + " % finer, not 100 %";
     if (!extend || last.finer == before.finer) {
         throw ParameterError({.parameter = "percent_finer",
                               .value = text(last.finer),
@@ -106,6 +135,18 @@ void close_top(std::vector<Point>& points, const std::string& unit, bool extend,
     }
     const double slope = (last.finer - before.finer) / std::log(last.size / before.size);
     const double top = last.size * std::exp((100.0 - last.finer) / slope);
+    if (!(top <= most_extension * last.size * (1.0 + residue))) {
+        throw ParameterError({.parameter = "percent_finer",
+                              .value = text(last.finer),
+                              .number = last.finer,
+                              .subject = coarsest,
+                              .finding = "has " + rounded(last.finer) +
+                                         " % finer, and its last slope reaches 100 % at " + rounded(top) +
+                                         in_unit + ", a factor of " + rounded(top / last.size) +
+                                         " beyond the coarsest sieve",
+                              .rule = "top = \"extend\" reaches the next sieve at most, a factor of 2",
+                              .remedy = Remedy::add_coarser_sieve});
+    }
     points.push_back({top, 100.0, 0});
     notes.push_back(coarsest + " " + found + ": the curve is carried on at its last slope to 100 % at " +
                     rounded(top) + in_unit);
@@ -170,11 +211,7 @@ Grading sieve_grading(const std::vector<double>& size, const std::vector<double>
                       const SieveOptions& options) {
     std::vector<std::string> notes;
     std::vector<Point> points = sorted_points(size, percent_finer);
-    const auto by_finer = [](const Point& p, const Point& q) { return p.finer < q.finer; };
-    if (std::max_element(points.begin(), points.end(), by_finer)->finer == 1.0) {
-        for (Point& point : points) point.finer *= 100.0;
-        notes.emplace_back("the values end at 1: read as fractions, not per cent");
-    }
+    read_fractions(points, notes);
     require_rising(points, options.unit);
     close_top(points, options.unit, options.extend_top, notes);
     trim(points);

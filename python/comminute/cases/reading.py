@@ -13,11 +13,12 @@ import numpy as np
 from pydantic import ValidationError
 
 from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, fitting_grid
+from comminute.cases.load_files import read_loads
 from comminute.cases.messages import WORDS, explained, table_place
 from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, MaterialTable, Sieves
+from comminute.gradings.options import Reading
 from comminute.gradings.reading import SieveData, read_sieves
-from comminute.gradings.sieves import IN_MM, unit_of
-from comminute.gradings.tables import read_table
+from comminute.gradings.sieves import IN_MM, convert, unit_of
 from comminute.runs.load_path import load_path
 from comminute.runs.recipe import law_of
 from comminute.simulation import Simulation
@@ -180,6 +181,7 @@ def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> Read
         "load",
         lambda: load_path(material, load.stress_ratio, load.stress, load.loading_rate, load.remix_after),  # type: ignore[arg-type]
     ).stress_ratio
+    _require_reference_size(case, name)
     largest_load, given = float(ratios.max()), case.grid.model_dump()
     grid = _in_table(name, "grid", lambda: fitting_grid(grading, material, largest_load, **given))
     _in_table(name, "grid", lambda: grading.on_grid(grid))
@@ -202,6 +204,19 @@ def _in_table(name: str, table: str, make: Callable[[], Made]) -> Made:
         raise reworded(error, outer=table_place(name, table), words=WORDS) from None
 
 
+def _require_reference_size(case: Case, name: str) -> None:
+    """Refuse a measured grading without its reference size: left out, it would be 1 of whatever unit the case has."""
+    measured = isinstance(case.grading, GradingFile | Sieves)
+    if measured and "reference_size" not in case.material.model_fields_set:
+        unit = case.units.size
+        one = f"{convert(1.0, 'mm', unit):.6g}" if unit_of(unit) else "1"
+        rule = "stress ratios and first_crush_stress refer to it, and measured sizes have a unit: add the line "
+        rule += (
+            f"reference_size = {one} (in {unit}: 1 {'mm' if unit_of(unit) else unit}, or the size that they refer to)"
+        )
+        raise parameter_error("reference_size", "missing", rule, place=table_place(name, "material"))
+
+
 def _material(case: Case) -> Material:
     table = case.material.model_dump()
     return Material(**(table | {"fragments": law_of(table["fragments"])}))
@@ -213,13 +228,14 @@ def _grading(case: Case, path: Path) -> tuple[Case, Grading]:
     if isinstance(table, GradingFile):
         if not unit_of(unit):
             raise _wrong_key(path, "units", "size", f"'{unit}'", f"it must be one of {', '.join(IN_MM)}")
-        data = read_sieves(path.parent / table.file, unit=unit)
+        how = Reading(table.sheet, table.sample, table.mesh, table.total_mass_g, table.edges)
+        data = read_sieves(path.parent / table.file, unit=unit, number=table.number, how=how)
         table = Sieves(
             kind="sieves",
             size=list(data.size),
             percent_finer=list(data.percent_finer),
             top=table.top,
-            number=table.number,
+            number=table.number or data.number,
             places=list(data.places),
             notes=list(data.notes),
             file=table.file,
@@ -253,7 +269,7 @@ def _loads(case: Case, path: Path) -> Case:
     key = given[0]
     values = getattr(load, key)
     if key == "file":
-        key, values = _load_file(path.parent / load.file) if load.file is not None else ("", [])
+        key, values = read_loads(path.parent / str(load.file), case.units.stress)
     elif isinstance(values, LoadRange):
         values = _in_range(values, table_place(path.name, "load", key))
     elif isinstance(values, float | int):
@@ -272,19 +288,3 @@ def _in_range(loads: LoadRange, place: str) -> list[float]:
             raise parameter_error("from or to", 0, 'spacing "log" needs both greater than 0', place=place)
         return list(np.geomspace(loads.first, loads.last, loads.steps).tolist())
     return list(np.linspace(loads.first, loads.last, loads.steps).tolist())
-
-
-def _load_file(path: Path) -> tuple[str, list[float]]:
-    table = read_table(path)
-    columns = {name: index for index, name in table.columns() if name in ("stress", "stress_ratio")}
-    if len(columns) != 1 or len(table.header.cells) != 1:
-        raise parameter_error(
-            subject="the header",
-            finding=f"names {', '.join(cell for cell in table.header.cells)}",
-            rule="give one column, named stress or stress_ratio",
-            place=table.place(table.header),
-        )
-    ((name, index),) = columns.items()
-    if not table.rows:
-        raise wrong_file(table.name, "has a header but no loads", "give at least one")
-    return name, [table.number(row, index) for row in table.rows]

@@ -95,10 +95,15 @@ class MaterialTable(Table):
 
 
 class GradingFile(Table):
-    """A sieve table."""
+    """A sieve table, and how to read it; see `Grading.read`."""
 
     kind: Literal["file"] = "file"
     file: str
+    sheet: str | int | None = None
+    sample: str | int | None = None
+    mesh: Literal["astm", "tyler"] | None = None
+    total_mass_g: float | None = None
+    edges: Literal["lower", "upper"] | None = None
     top: Top = SIEVES["top"]
     number: bool = SIEVES["number"]
 

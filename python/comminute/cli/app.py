@@ -44,6 +44,11 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON object and no
 SIEVES = defaults["from_sieves"]
 Number = Annotated[bool, typer.Option("--number", help="The shares of the sieve table count grains.")]
 Top = Annotated[str, typer.Option("--top", help='"extend" closes a sieve curve short of 100 %.')]
+SheetName = Annotated[str | None, typer.Option("--sheet", help="Sheet of a workbook, by name or number from 1.")]
+Sample = Annotated[str | None, typer.Option("--sample", help="Sample of a table of several.")]
+Mesh = Annotated[str | None, typer.Option("--mesh", help="Series of sieve numbers: astm (E11) or tyler.")]
+TotalMass = Annotated[float | None, typer.Option("--total-mass-g", help="Dry mass before washing [g].")]
+Edges = Annotated[str | None, typer.Option("--edges", help="Edge of its class that a size is: lower or upper.")]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
 
 
@@ -183,6 +188,7 @@ def _run_one(ready: ReadyCase, earlier: Result | None, *, quiet: bool) -> Result
             _stop(f"interrupted after {kept} finished loads{where}", STOPPED)
     table.close()
     if not quiet:
+        print(cli_texts.material_line(ready))
         cli_texts.print_remarks(result)
         print(f"wrote {ready.target}")
     return result
@@ -213,13 +219,20 @@ def stats(
     file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
     number: Number = SIEVES["number"],
     top: Top = SIEVES["top"],
+    sheet: SheetName = None,
+    sample: Sample = None,
+    mesh: Mesh = None,
+    total_mass_g: TotalMass = None,
+    edges: Edges = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Follow the tail below the finest size.")] = False,
     as_json: Json = False,
 ) -> None:
     """Compute the indices of a sieve table, or of every load of a result."""
     from comminute.cli import stats as cli_stats  # noqa: PLC0415  (keeps the other commands quick)
 
-    found = cli_stats.stats_of(file, number=number, top=top, extrapolate=extrapolate)
+    table = {"number": number, "top": top, "sheet": sheet, "sample": sample}
+    table |= {"mesh": mesh, "total_mass_g": total_mass_g, "edges": edges}
+    found = cli_stats.stats_of(file, extrapolate=extrapolate, **table)
     print(json.dumps(cli_stats.as_json(found)) if as_json else cli_stats.as_text(found))
 
 
@@ -235,6 +248,11 @@ def plot(
     load: Annotated[int, typer.Option("--load", help="Index of the load whose fabric is drawn.")] = -1,
     number: Number = SIEVES["number"],
     top: Top = SIEVES["top"],
+    sheet: SheetName = None,
+    sample: Sample = None,
+    mesh: Mesh = None,
+    total_mass_g: TotalMass = None,
+    edges: Edges = None,
     force: Force = False,
 ) -> None:
     """Draw a sieve table or a result to a picture file; no window opens."""
@@ -247,7 +265,9 @@ def plot(
     _require_writable(target, cli_plots.ENDINGS)
     _refuse_existing(target, force)
     curves = {"axes": axes, "coarse_left": coarse_left, "phi": phi}
-    cli_plots.draw(file, target, what=what, load=load, table={"number": number, "top": top}, **curves)
+    table = {"number": number, "top": top, "sheet": sheet, "sample": sample}
+    table |= {"mesh": mesh, "total_mass_g": total_mass_g, "edges": edges}
+    cli_plots.draw(file, target, what=what, load=load, table=table, **curves)
     print(f"wrote {target}")
 
 

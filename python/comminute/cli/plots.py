@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from comminute import plotting
 from comminute._core import ParameterError
 from comminute.cli.messages import WORDS
-from comminute.cli.stats import read_sieve_table
+from comminute.cli.stats import read_sieve_table, require_no_options
 from comminute.opening import open_result
 from comminute.plotting import everyday as everyday_plots
 from comminute.util.errors import parameter_error, reworded
@@ -33,8 +33,9 @@ def draw(file: Path, target: Path, *, what: str, load: int, table: dict[str, Any
         if what != "gradings":
             finding = f"is '{what}', but {file.name} is a sieve table"
             raise parameter_error("--what", what, "it has gradings alone", finding=finding)
-        everyday_plots.plot_curves({file.name: read_sieve_table(file, **table)}, figure.add_subplot(), **axes)
+        everyday_plots.plot_curves({file.name: read_sieve_table(file, **table)[0]}, figure.add_subplot(), **axes)
     else:
+        require_no_options(file, table)
         result = open_result(file)
         if what == "gradings":
             everyday_plots.plot_curves(result, figure.add_subplot(), **axes)

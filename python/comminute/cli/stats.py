@@ -7,28 +7,41 @@ from pathlib import Path
 from typing import Any
 
 from comminute._core import Grading, ParameterError
+from comminute.cli.marks import cell_of, footnotes, marks_of
 from comminute.cli.messages import WORDS
 from comminute.gradings.breakage import breakage_index, breakage_potential, relative_breakage
 from comminute.gradings.curves import SizeCurve
 from comminute.gradings.indices import curvature, fines_share, folk_ward, phi, uniformity
+from comminute.gradings.options import Reading
+from comminute.gradings.reading import SIEVES, Top, read_sieves
 from comminute.gradings.sieves import convert, unit_of
 from comminute.opening import open_result
 from comminute.runs.remarks import load_labels
-from comminute.util.errors import reworded
+from comminute.util.errors import parameter_error, reworded
 
 SILT = 0.063  # mm, ISO 14688
 
 
-def stats_of(file: Path, *, number: bool = False, top: str = "error", extrapolate: bool = False) -> dict[str, Any]:
+def stats_of(file: Path, *, extrapolate: bool = False, **table: Any) -> dict[str, Any]:
     """Compute the indices of a sieve table, or of the start and every load of a result file.
+
+    Parameters
+    ----------
+    file : Path
+    extrapolate : bool
+        Follow tails below the finest size.
+    **table
+        Options of `Grading.read`, which a result has no use for.
 
     Returns
     -------
     dict
         `unit`, `notes`, and `gradings`: one record each, in which None stands for an index without a value, with the
-        error under `because`; `of` names the grading in the words of the record's `quantity`.
+        error under `because`, and `marks` names those that rest on sizes that were not measured; `of` names the
+        grading in the words of the record's `quantity`.
     """
     if file.suffix == ".nc":
+        require_no_options(file, table)
         result = open_result(file)
         start = result.start_curve
         quantity, names = load_labels(result)
@@ -38,21 +51,42 @@ def stats_of(file: Path, *, number: bool = False, top: str = "error", extrapolat
             loads = {"stress_ratio": float(result.stress_ratio[k])}
             loads |= {} if result.stress is None else {"stress": float(result.stress[k])}
             found = indices_of(curve, extrapolate=extrapolate) | _breakage(start, curve)
+            found["marks"] = marks_of(found, curve, SILT, None)
             rows.append({"of": name} | loads | found)
         unit, notes = result.unit, result.notes
     else:
-        grading = read_sieve_table(file, number=number, top=top)
-        rows = [{"of": file.name} | indices_of(SizeCurve.of(grading), extrapolate=extrapolate)]
+        grading, measured_top = read_sieve_table(file, **table)
+        curve = SizeCurve.of(grading)
+        found = indices_of(curve, extrapolate=extrapolate)
+        found["marks"] = marks_of(found, curve, SILT, measured_top)
+        rows = [{"of": file.name} | found]
         quantity, unit, notes = "", grading.unit, grading.notes
     return {"file": str(file), "unit": unit, "quantity": quantity, "notes": list(notes), "gradings": rows}
 
 
-def read_sieve_table(file: Path, *, number: bool, top: str) -> Grading:
-    """Read a sieve table; errors name the options of the command line."""
+def read_sieve_table(
+    file: Path, *, number: bool = SIEVES["number"], top: Top = SIEVES["top"], **options: Any
+) -> tuple[Grading, float | None]:
+    """Grading of a sieve table, and its coarsest sieve where the curve is carried on beyond it.
+
+    Errors name the options of the command line.
+    """
     try:
-        return Grading.read(file, number=number, top=top)  # type: ignore[arg-type]
+        data = read_sieves(file, number=number, how=Reading(**options))
+        grading = data.grading(top=top, number=number)
     except ParameterError as error:
         raise reworded(error, words=WORDS) from None
+    coarsest = max(data.size)
+    return grading, coarsest if grading.largest > coarsest * (1.0 + 1e-12) else None
+
+
+def require_no_options(file: Path, table: dict[str, Any]) -> None:
+    """Refuse options of sieve tables for a result, which would ignore them."""
+    for name, value in table.items():
+        if value is not None and value != SIEVES.get(name):
+            option = f"--{name.replace('_', '-')}"
+            rule = "it is an option of sieve tables; leave it out"
+            raise parameter_error(option, value, rule, finding=f"is given, but {file.name} is a result")
 
 
 def indices_of(curve: SizeCurve, *, extrapolate: bool = False) -> dict[str, Any]:
@@ -63,7 +97,7 @@ def indices_of(curve: SizeCurve, *, extrapolate: bool = False) -> dict[str, Any]
     dict
         A number by name, or None with the error under `because`; the curve itself under `curve`.
     """
-    found: dict[str, Any] = {"because": {}, "curve": curve}
+    found: dict[str, Any] = {"because": {}, "marks": {}, "curve": curve}
 
     def add(name: str, make: Callable[[], float]) -> None:
         try:
@@ -82,6 +116,7 @@ def indices_of(curve: SizeCurve, *, extrapolate: bool = False) -> dict[str, Any]
     add("Hardin Bp", lambda: breakage_potential(curve))
     if unit_of(curve.unit):
         add("finer than 0.063 mm", lambda: fines_share(curve, convert(SILT, "mm", curve.unit)))
+    found["marks"] = marks_of(found, curve, SILT, None)
     return found
 
 
@@ -100,14 +135,14 @@ def _breakage(start: SizeCurve, curve: SizeCurve) -> dict[str, Any]:
 def as_text(found: dict[str, Any]) -> str:
     """Write a line per index, a column per grading."""
     rows = found["gradings"]
-    names = [name for name in rows[-1] if name not in ("of", "stress", "stress_ratio", "because", "curve")]
+    names = [name for name in rows[-1] if name not in ("of", "stress", "stress_ratio", "because", "marks", "curve")]
     unit = f", sizes in {found['unit']}" if found["unit"] else ""
     width = max(11, *(len(row["of"]) + 2 for row in rows))
     lines = [found["file"] + unit, f"{found['quantity']:20}" + "".join(f"{row['of']:>{width}}" for row in rows)]
     for name in names:
-        cells = ["-" if row.get(name) is None else f"{row[name]:.4g}" for row in rows]
+        cells = [cell_of(row, name) for row in rows]
         lines.append(f"{name:20}" + "".join(f"{cell:>{width}}" for cell in cells))
-    lines += [f"note: {note}" for note in found["notes"]]
+    lines += [*footnotes(rows), *(f"note: {note}" for note in found["notes"])]
     return "\n".join(lines + [f"-: {reason}" for reason in _reasons(rows)])
 
 

@@ -49,6 +49,17 @@ def _defaults() -> dict[str, str]:
     return {key: json.dumps(value) for key, value in found.items()}
 
 
+def material_line(ready: ReadyCase) -> str:
+    """Say what the grains are, with the units of the case."""
+    material, units = ready.material, ready.resolved.units
+    stress = material.first_crush_stress
+    crush = "" if stress is None else f", first crush stress {stress:.4g} {units.stress}"
+    return (
+        f"material: reference size {material.reference_size:.4g} {units.size}{crush}, weibull modulus "
+        f"{material.weibull_modulus:.4g}, fabric width {material.fabric_width:.4g}, fragments {material.fragments}"
+    )
+
+
 def case_summary(ready: ReadyCase) -> str:
     """Say what a case would do, in a few lines."""
     case, grading, grid = ready.resolved, ready.grading, ready.grid
@@ -59,6 +70,7 @@ def case_summary(ready: ReadyCase) -> str:
     varied = "".join(f"\n  {key} = {value}" for key, value in ready.varied.items())
     lines = [
         f"{ready.target.name}: {len(loads)} loads, {kind} {min(loads):g} to {max(loads):g}{in_unit}{varied}",
+        f"  {material_line(ready)}",
         f"  grading: largest {grading.largest:.4g}{unit}, D50 {d50:.4g}{unit}",
         f"  grid: {grid.bins} bins, {grid.edge_sizes[1]:.3g} to {grid.edge_sizes[-1]:.4g}{unit}, "
         f"{grid.bins**2 * 8 / 1e6:.1f} MB a fabric",
@@ -91,7 +103,7 @@ class LoadTableText:
         if not self._shown:
             self._print(_header(rows[0], *self._units))
         for row in rows[self._shown :]:
-            self._print(_line(row))
+            self._print(_line(row, *self._units))
         self._shown = len(rows)
 
     def add(self, result: Result) -> None:
@@ -114,22 +126,30 @@ class LoadTableText:
             print(line, flush=True)
 
 
-def _header(row: dict[str, Any], stress_unit: str, size_unit: str) -> str:
+def _columns(row: dict[str, Any], stress_unit: str, size_unit: str) -> dict[str, tuple[str, int]]:
+    """Title and width of each column of a table of loads; two blanks at least stand between titles."""
     units = {"stress": stress_unit, "d10": size_unit, "d50": size_unit, "d60": size_unit}
-    names = {name: f"{name} {units[name]}" if units.get(name) else name.replace("_", " ") for name in WIDTHS}
-    return "".join(f"{names[name]:>{width}}" for name, width in WIDTHS.items() if name in row)
+    titles = {name: f"{name} {units[name]}" if units.get(name) else name.replace("_", " ") for name in WIDTHS}
+    return {name: (titles[name], max(width, len(titles[name]) + 2)) for name, width in WIDTHS.items() if name in row}
 
 
-def _line(row: dict[str, Any]) -> str:
-    cells = {name: "in fines" if row[name] is None else f"{row[name]:.4g}" for name in WIDTHS if name in row}
-    return "".join(f"{cells[name]:>{WIDTHS[name]}}" for name in cells)
+def _header(row: dict[str, Any], stress_unit: str, size_unit: str) -> str:
+    return "".join(f"{title:>{width}}" for title, width in _columns(row, stress_unit, size_unit).values())
+
+
+def _line(row: dict[str, Any], stress_unit: str, size_unit: str) -> str:
+    columns = _columns(row, stress_unit, size_unit)
+    cells = {name: "in fines" if row[name] is None else f"{row[name]:.4g}" for name in columns}
+    return "".join(f"{cells[name]:>{width}}" for name, (_, width) in columns.items())
 
 
 def result_table(result: Result) -> str:
     """Whole table of a result."""
     rows = load_rows(result)
     stress_unit = result.recipe.stress_unit if result.recipe else ""
-    return "\n".join([_header(rows[0], stress_unit, result.unit), *(_line(row) for row in rows)])
+    return "\n".join(
+        [_header(rows[0], stress_unit, result.unit), *(_line(row, stress_unit, result.unit) for row in rows)]
+    )
 
 
 def print_remarks(result: Result) -> None:

@@ -7,6 +7,7 @@ are written in Python and attached here.
 from comminute._core import Grading
 from comminute.gradings.curves import on_sieves
 from comminute.gradings.reading import read_grading
+from comminute.util.keywords import suggests_keywords
 
-Grading.read = staticmethod(read_grading)  # type: ignore[method-assign]
+Grading.read = staticmethod(suggests_keywords(read_grading, "Grading.read"))  # type: ignore[method-assign, unused-ignore]
 Grading.to_sieves = on_sieves  # type: ignore[method-assign, assignment]

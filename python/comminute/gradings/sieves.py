@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from comminute.util.errors import parameter_error
-from comminute.util.names import shorten
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -55,6 +53,12 @@ ASTM_NUMBERS: dict[float, float] = {
 ASTM_NUMBERS |= {20: 0.85, 25: 0.71, 30: 0.6, 35: 0.5, 40: 0.425, 45: 0.355, 50: 0.3, 60: 0.25, 70: 0.212, 80: 0.18}
 ASTM_NUMBERS |= {100: 0.15, 120: 0.125, 140: 0.106, 170: 0.09, 200: 0.075, 230: 0.063, 270: 0.053, 325: 0.045}
 ASTM_NUMBERS |= {400: 0.038, 450: 0.032, 500: 0.025, 635: 0.02}
+
+# Tyler's numbers, with the openings that the series has had since it was brought to those of ISO 565.
+TYLER_NUMBERS: dict[float, float] = {2.5: 8, 3: 6.7, 3.5: 5.6, 4: 4.75, 5: 4, 6: 3.35, 7: 2.8, 8: 2.36, 9: 2, 10: 1.7}
+TYLER_NUMBERS |= {12: 1.4, 14: 1.18, 16: 1, 20: 0.85, 24: 0.71, 28: 0.6, 32: 0.5, 35: 0.425, 42: 0.355, 48: 0.3}
+TYLER_NUMBERS |= {60: 0.25, 65: 0.212, 80: 0.18, 100: 0.15, 115: 0.125, 150: 0.106, 170: 0.09, 200: 0.075, 250: 0.063}
+TYLER_NUMBERS |= {270: 0.053, 325: 0.045, 400: 0.038, 450: 0.032, 500: 0.025, 635: 0.02}
 
 SIEVE_SERIES = {
     "ISO R20/3": tuple(float(size) for size in _R20_3),
@@ -153,48 +157,50 @@ def _plain(series: str) -> str:
     return re.sub(r"[\s_-]", "", series.lower())
 
 
-def sieve_size(name: str) -> float:
-    """Find the opening in mm of one sieve by its designation.
+def require_mesh(mesh: str) -> None:
+    """Raise ParameterError unless `mesh` names a series of sieve numbers."""
+    if mesh not in SERIES_OF_NUMBERS:
+        known = ", ".join(f"'{name}'" for name in SERIES_OF_NUMBERS)
+        raise parameter_error("mesh", f"'{mesh}'", f"it must be one of {known}")
+
+
+SERIES_OF_NUMBERS = {"astm": "ASTM E11", "tyler": "Tyler"}
+_NEAR = 0.15  # relative difference up to which a sieve may be the one that was meant
+
+
+def designated(number: float, mesh: str) -> tuple[float | None, str]:
+    """Find the opening in mm of the sieve that a number of a series names, or else why there is none.
 
     Parameters
     ----------
-    name : str
-        An ASTM E11 number ("200", "No. 200", "#200"), inches ('3/8 in', '1-1/2"'), or an opening with
-        its unit as ISO 565 writes it ("355 µm", "1.4 mm").
+    number : float
+    mesh : {"astm", "tyler", "inch"}
 
     Returns
     -------
-    float
-
-    Raises
-    ------
-    ParameterError
-        For a designation that no series has; the message names the nearest.
-
-    Examples
-    --------
-    >>> import comminute as cm
-    >>> cm.sieve_size("No. 200"), cm.sieve_size("3/8 in"), cm.sieve_size("355 µm")
-    (0.075, 9.5, 0.355)
+    float or None
+    str
+        The rule, and the sieve that may have been meant where one is near; empty for a sieve that there is.
     """
-    text = re.sub(r"^((astm|iso|no\.?|nr\.?|#|mesh)\s*)+", "", name.strip().lower())
-    text = text.removesuffix("mesh").strip()
-    measured = re.fullmatch(r"([0-9]+(?:[.,][0-9]+)?)\s*(µm|μm|um|mm|cm|m)", text)
-    if measured:
-        return convert(float(measured[1].replace(",", ".")), measured[2], "mm")
-    inches = re.fullmatch(r"([0-9][0-9 ./-]*?)\s*(?:in\.?|inch|\")", text)
-    if inches:
-        key = re.sub(r"\s+", "-", inches[1])
-        if key in ASTM_INCHES:
-            return float(ASTM_INCHES[key])
-        known = [f"{inch} in" for inch in ASTM_INCHES]
+    if mesh == "inch":
+        table = {_inches(name): float(size) for name, size in ASTM_INCHES.items()}
+        names = {_inches(name): f"{name} in" for name in ASTM_INCHES}
+        found = next((size for inch, size in table.items() if abs(inch - number) < 0.002 * inch), None)
+        series = SERIES_OF_NUMBERS["astm"]
     else:
-        key = text.replace("½", ".5").replace("3-1/2", "3.5").replace("3 1/2", "3.5")
-        if re.fullmatch(r"[0-9]+(\.[0-9]+)?", key) and float(key) in ASTM_NUMBERS:
-            return float(ASTM_NUMBERS[float(key)])
-        known = [f"No. {number:g}" for number in ASTM_NUMBERS]
-        text = f"No. {key}"
-        if key.isdecimal():
-            known = [f"No. {min(ASTM_NUMBERS, key=lambda number: abs(number - int(key[:9]))):g}"]
-    near = difflib.get_close_matches(text, known, n=1, cutoff=0.0)
-    raise parameter_error("sieve", f"'{shorten(name)}'", f"ASTM E11 has no such sieve. Did you mean {near[0]}?")
+        table = {float(no): float(size) for no, size in (TYLER_NUMBERS if mesh == "tyler" else ASTM_NUMBERS).items()}
+        names = {no: f"No. {no:g}" for no in table}
+        found = table.get(number)
+        series = SERIES_OF_NUMBERS[mesh]
+    if found is not None:
+        return found, ""
+    near = min(table, key=lambda known: abs(known - number))
+    meant = f" Did you mean {names[near]}?" if abs(near - number) <= _NEAR * number else ""
+    return None, f"{series} has no such sieve.{meant}"
+
+
+def _inches(name: str) -> float:
+    """Read the number of inches in a designation such as "1-1/2"."""
+    whole, _, part = name.rpartition("-")
+    over, _, under = part.partition("/")
+    return float(whole or 0) + (float(over) / float(under) if under else float(over))

@@ -235,6 +235,19 @@ TEST_CASE("what a sieve curve leaves open is filled by a stated rule, and a note
               "the coarsest sieve, 1 mm, has 50 % finer, not 100 %: the curve is carried on "
               "at its last slope to 100 % at 2 mm"});
     CHECK(sieve_grading({0.5, 1.0}, {0.0, 100.0}, SieveOptions{"mm", true}).notes.empty());
+
+    // what sums leave behind is no finding, and fractions are told by a top near 1
+    const Grading summed =
+        sieve_grading({0.5, 1.0, 2.0}, {-5e-15, 50.0, 100.00000000000001}, SieveOptions{""});
+    CHECK(summed.finer(0.5) == 0.0);
+    CHECK(summed.finer(2.0) == 1.0);
+    const Grading rounded = sieve_grading({1.0, 2.0}, {0.0, 0.9999999999999999}, SieveOptions{""});
+    CHECK(rounded.finer(2.0) == 1.0);
+    const Grading open = sieve_grading({1.0, 2.0, 3.0}, {0.0, 0.5, 0.95}, SieveOptions{"", true});
+    CHECK(open.finer(2.0) == doctest::Approx(0.5).epsilon(1e-14));
+    CHECK_THROWS_AS(sieve_grading({1.0, 2.0}, {0.0, 0.85}, SieveOptions{"", true}), ParameterError);
+    CHECK_THROWS_AS(sieve_grading({1.0, 2.0}, {0.0, 1.05}, SieveOptions{""}), ParameterError);
+    CHECK_THROWS_AS(sieve_grading({1.0, 2.0}, {0.0, 40.0}, SieveOptions{"", true}), ParameterError);
 }
 
 TEST_CASE("a sieve curve with an error in it is refused, naming row, value, rule and remedy") {

@@ -19,6 +19,7 @@ from comminute.cases import schema
 from comminute.cli.texts import new_case
 from comminute.runs.recipe import law_of
 
+READ = inspect.signature(cm.Grading.read).parameters
 RUN = inspect.signature(cm.Simulation.run).parameters
 SIMULATION = inspect.signature(cm.Simulation).parameters
 SHORT = ([2.0, 1.0], [90.0, 0.0])  # a curve that only top = "extend" closes
@@ -37,6 +38,7 @@ CORE: dict[str, object] = {
     "LogNormal.sd_log": cm.LogNormalFragments().sd_log,
     "GradingFile.top": "error",  # `test_a_curve_that_stops_short_is_refused_unless_told_otherwise`
     "GradingFile.number": False,
+    **{f"GradingFile.{name}": READ[name].default for name in ("sheet", "sample", "mesh", "total_mass_g", "edges")},
     "Sieves.top": "error",
     "Sieves.number": False,
     "GapGraded.coarse_share": 1.0 - float(cm.gap_graded(2.0, 1.0).finer(1.5)),

@@ -50,7 +50,8 @@ def test_new_check_run_stats_plot(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     header = "stress MPa stress ratio d10 mm d50 mm d60 mm fines crushes"
     assert " ".join(done.output.splitlines()[0].split()) == header
-    assert len(done.output.splitlines()) == 12
+    assert len(done.output.splitlines()) == 13
+    assert "material: reference size 2 mm, first crush stress 1.2 MPa, weibull modulus 3" in done.output
     stats = json.loads(call("stats", made / "run.nc", "--json").output)
     assert stats["unit"] == "mm"
     assert stats["gradings"][0]["D50"] == pytest.approx(0.5 * 2**0.5, rel=1e-3)
@@ -279,3 +280,37 @@ def test_without_the_extra_the_command_names_it(library: str) -> None:
         return
     assert done.returncode == 5
     assert done.stderr.strip() == f"comminute needs {library}; install it with: pip install 'comminute[cli]'"
+
+
+def test_marks_of_what_was_not_measured(tmp_path: Path) -> None:
+    folder = Path(__file__).parents[2] / "data" / "field-cases"
+    tail = folder / "k8-fines-content-from-a-4mm-sieve.csv"
+    plain = json.loads(call("stats", tail, "--json").output)["gradings"][0]
+    assert plain["D50"] is None
+    assert plain["marks"] == {"extrapolated": ["Hardin Bp", "finer than 0.063 mm"]}
+    followed = json.loads(call("stats", tail, "--json", "--extrapolate").output)["gradings"][0]
+    assert {"D10", "D50", "phi50", "Cu", "Folk-Ward mean"} <= set(followed["marks"]["extrapolated"])
+    assert {"D60", "D80"}.isdisjoint(followed["marks"]["extrapolated"])
+    assert "*: rests on the tail below the finest size, which is not measured" in call("stats", tail).output
+    path = tmp_path / "open.csv"
+    path.write_text("size_mm,percent_finer\n1,90\n0.5,40\n0.25,0\n")
+    extended = json.loads(call("stats", path, "--top", "extend", "--json").output)["gradings"][0]
+    assert "D95" in extended["marks"]["extended"]
+    assert "D84" not in extended["marks"]["extended"]
+    assert isinstance(extended["D95"], float)
+
+
+def test_options_of_sieve_tables_are_used_or_refused(tmp_path: Path) -> None:
+    folder = Path(__file__).parents[2] / "data" / "field-cases"
+    long = folder / "k6-two-samples-in-long-table-merged.csv"
+    named = json.loads(call("stats", long, "--sample", "A", "--json").output)
+    assert named["gradings"][0]["D50"] == pytest.approx(1.542211, rel=1e-6)
+    for options, words in (
+        ((), "holds 2 samples in its rows, 'A', 'B'; name one"),
+        (("--sample", "A", "--mesh", "tyler"), "names no sieve by a number"),
+        (("--sample", "A", "--sheet", "x"), "is a text file, which has no sheets"),
+        (("--sample", "A", "--total-mass-g", "1"), "total_mass_g is 1, less than the 350 g on the sieves"),
+    ):
+        done = call("stats", long, *options)
+        assert done.exit_code == 2
+        assert words in done.stderr

@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import importlib.util
 import inspect
 import re
 import subprocess
@@ -21,7 +22,8 @@ MODULES: tuple[ModuleType, ...] = tuple(
         "gradings.indices",
         "gradings.reading",
         "gradings.sieves",
-        "gradings.tables",
+        "gradings.numerals",
+        "gradings.openings",
         "lattice.comparison",
         "lattice.rings",
         "lattice.small_ring",
@@ -135,3 +137,13 @@ def assert_same_words(found: str, expected: str) -> None:
             assert float(word) == pytest.approx(float(wanted), rel=2e-3, abs=1e-9)
         except ValueError:
             assert word == wanted
+
+
+def test_page_of_sieve_tables_is_up_to_date() -> None:
+    script = ROOT / "docs" / "sieve_tables.py"
+    spec = importlib.util.spec_from_file_location("sieve_tables", script)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    assert module.PAGE.read_text(encoding="utf-8") == module.page(), "run python docs/sieve_tables.py"

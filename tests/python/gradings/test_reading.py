@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import comminute as cm
-from comminute.gradings.spreadsheets import spreadsheet_rows
+from comminute.gradings.workbooks import workbook_sheets
 
 SIZE = [2.0, 1.6, 1.0, 0.5, 0.16, 0.08]
 FINER = [100, 93, 67, 33, 13, 1]
@@ -95,7 +95,7 @@ def test_headers_as_laboratories_write_them(header: str, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("header", "words"),
     [
-        ("size_mm,finer", "did you mean percent_finer by 'finer'?"),
+        ("size_mm,percent_fnier", "did you mean percent_finer by 'percent_fnier'?"),
         ("sze_mm,percent_finer", "did you mean size_mm by 'sze_mm'?"),
         ("size_furlong,percent_finer", "the header names no size column; it must name one of size_mm"),
     ],
@@ -179,15 +179,18 @@ def test_cells_of_every_kind_are_text_with_their_rows(tmp_path: Path) -> None:
         [],
     ]
     path = workbook(tmp_path / "sand.xlsx", rows, [["size_mm", "percent_finer"], [1, 100]])
-    assert [(row.number, row.cells) for row in spreadsheet_rows(path)] == [
-        (3, ("size_mm", "percent_finer", "remarks", "", "")),
-        (4, ("2", "100", "2024-05-17 00:00:00", "", "")),
-        (6, ("0.1", "1e-07", "True", "", "")),
-        (7, ("100000000000000000000", "12.5", "", "", "")),  # a formula that no program has computed yet
-        (8, ("2.0", "", "nan", "", "#")),
-        (9, ("", "0", "", "", "")),
+    first = workbook_sheets(path)[0]
+    assert [(line.place, [cell.text for cell in line.cells]) for line in first.lines] == [
+        ("sand.xlsx row 1", ["# a comment", "1", "", "", ""]),
+        ("sand.xlsx row 3", ["size_mm", "percent_finer", "remarks", "", ""]),
+        ("sand.xlsx row 4", ["2", "100", "17 May 2024 (a date)", "", ""]),
+        ("sand.xlsx row 6", ["0.1", "1e-07", "True", "", ""]),
+        ("sand.xlsx row 7", ["100000000000000000000", "12.5", "=1+1", "", ""]),  # which no program has computed yet
+        ("sand.xlsx row 8", ["2.0", "#N/A", "nan", "", "#"]),
+        ("sand.xlsx row 9", ["", "0", "", "", ""]),
     ]
-    assert spreadsheet_rows(workbook(path, [[], [None]])) == []
+    assert [line.comment for line in first.lines] == [True, False, False, False, False, False, False]
+    assert workbook_sheets(workbook(path, [[], [None]])) == []
 
 
 def test_spreadsheets_that_are_none(tmp_path: Path) -> None:
@@ -195,7 +198,9 @@ def test_spreadsheets_that_are_none(tmp_path: Path) -> None:
     for name in ("sand.xls", "sand.ods"):
         path.rename(tmp_path / name)
         path = tmp_path / name
-        with pytest.raises(cm.ParameterError, match=rf"{name} is no \.xlsx spreadsheet; save the table as \.xlsx or"):
+        with pytest.raises(
+            cm.ParameterError, match=rf"{name} is .*, for which there is no reader here; save it as \.xlsx"
+        ):
             cm.Grading.read(path)
 
 
@@ -219,9 +224,12 @@ MESSAGES = {
     "size,percent_finer\n1,100\n": "sand.csv row 1: the size column has no unit; name it size_mm or size_um",
     "size_mm,percent_fine\n1,100\n": "the header names no value column; it must name one of percent_finer, "
     "percent_retained, percent_cumulative_retained, mass_retained_g; did you mean percent_finer by 'percent_fine'?",
-    "size_mm,percent_finer,percent_retained\n1,100,0\n": "percent_finer and percent_retained are both named; leave one",
+    "size_mm,percent_finer,percent_retained\n2,100,0\n1,50,20\n0.5,0,80\n": "sand.csv row 3: by column 'percent_finer' "
+    "50 % are finer, by 'percent_retained' 80 %; correct the table, or leave one of the columns",
     "size_mm,percent_finer\n1,100\n0.5,20,30\n": "sand.csv row 3: 3 columns, but the header names 2",
-    "size_mm;percent_finer\n1,2;100\n0.5;0;\n": "",
+    "size_mm;percent_finer\n1,2;100\n0,5;0;\n": "",
+    "size_mm;percent_finer\n1,2;100\n0.5;0;\n": "sand.csv row 2: '1,2' is 1.2 with a decimal comma, but sand.csv row 3 "
+    "has '0.5', 0.5 with a decimal point; write one decimal mark throughout",
     "size_mm,percent_finer\n1,100\n0.5\n": "sand.csv row 3: 1 columns, but the header names 2",
     'size_mm,percent_finer\n"1,100\n': "sand.csv row 2: unexpected end of data; close every quotation mark",
     "size_mm,percent_retained\n2,0\n1,80\n0.5,80\n": "sand.csv: column percent_retained adds up to 160 "
@@ -236,7 +244,7 @@ MESSAGES = {
     "size_mm,percent_retained\n2,0\npan,50\npan,50\n": "sand.csv row 4: a second pan; a table has one",
     "sieve,percent_finer\nNo. 41,100\n50,0\n": "sand.csv row 2, column sieve: sieve is 'No. 41'; ASTM E11 has no such "
     "sieve. Did you mean No. 40?",
-    "sieve,percent_finer\n8,100\n#200,0\n": "sand.csv row 3: '#200,0' begins with # and would be skipped as a comment",
+    "size_mm,percent_finer\n8,100\n#4,60\n1,0": "row 3, column size_mm: '#4' may be a sieve number or a comment",
     "phi,percent_finer\n-9999,100\n2,0\n": "column phi: the value is -9999; phi must be between -1000 and 1000",
 }
 
