@@ -281,12 +281,11 @@ def mean_power(size: Floats, power: float) -> Floats:
     return np.asarray(exact)
 
 
-def on_sieves(curve: Grading | SizeCurve, /, sieves: str | Sequence[float] | Floats) -> SieveTable:
+def on_sieves(self: Grading | SizeCurve, sieves: str | Sequence[float] | Floats) -> SieveTable:
     """Per cent finer and retained on sieves, coarse to fine.
 
     Parameters
     ----------
-    curve : Grading or SizeCurve
     sieves : str or sequence of float
         A series, "ISO R20/3", "ISO R40/3" or "ASTM E11" (the part of it that the grading covers), or
         openings in the unit of the curve.
@@ -309,13 +308,13 @@ def on_sieves(curve: Grading | SizeCurve, /, sieves: str | Sequence[float] | Flo
     (array([100.,  50.,  25.]), 25.0)
     """
     named = isinstance(sieves, str)
-    openings = sieve_sizes(sieves, curve.unit) if isinstance(sieves, str) else np.asarray(sieves, dtype=np.float64)
+    openings = sieve_sizes(sieves, self.unit) if isinstance(sieves, str) else np.asarray(sieves, dtype=np.float64)
     openings = np.sort(openings)[::-1]
     if openings.ndim != 1 or openings.size == 0 or np.any(np.diff(openings) == 0.0):
         finding = f"has shape {openings.shape}"
         raise parameter_error("sieves", openings.shape, "it must be a list of different openings", finding=finding)
-    largest = curve.largest if isinstance(curve, Grading) else float(curve.size[-1])
-    unit = f" {curve.unit}" if curve.unit else ""
+    largest = self.largest if isinstance(self, Grading) else float(self.size[-1])
+    unit = f" {self.unit}" if self.unit else ""
     if openings[0] < largest * (1.0 - ROUNDING):
         raise parameter_error(
             "sieves",
@@ -324,7 +323,7 @@ def on_sieves(curve: Grading | SizeCurve, /, sieves: str | Sequence[float] | Flo
             subject=f"the largest grain, {largest:.6g}{unit},",
             finding=f"stays on the coarsest sieve, {openings[0]:.6g}{unit}",
         )
-    finer = 100.0 * np.asarray(curve.finer(openings) if isinstance(curve, Grading) else curve.finer_than(openings))
+    finer = 100.0 * np.asarray(self.finer(openings) if isinstance(self, Grading) else self.finer_than(openings))
     finer[openings >= largest * (1.0 - ROUNDING)] = 100.0
     # a whole series is cut to the part that tells something: from one sieve that all pass to one that nothing passes
     first = int(np.flatnonzero(finer == 100.0)[-1]) if named else 0
@@ -332,4 +331,4 @@ def on_sieves(curve: Grading | SizeCurve, /, sieves: str | Sequence[float] | Flo
     last = int(nothing[0]) + 1 if named and nothing.size else openings.size
     openings, finer = openings[first:last], finer[first:last]
     retained = np.append(100.0 - finer[0], finer[:-1] - finer[1:])
-    return SieveTable(openings, finer, curve.unit, retained, float(finer[-1]))
+    return SieveTable(openings, finer, self.unit, retained, float(finer[-1]))
