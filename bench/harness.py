@@ -1,4 +1,4 @@
-"""What a trial is, how its answers are held against each other, and how its contestants are timed."""
+"""Trials: how answers are held against each other, and how contestants are timed."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Check:
 
     @property
     def passed(self) -> bool:
-        """Whether the answers are the same to the stated error; NaN is not."""
+        """Tell whether the answers are the same to the stated error; NaN is not."""
         return self.error <= self.limit
 
 
@@ -58,7 +58,7 @@ class Goal:
     most: float | None = None
 
     def met(self, value: float) -> bool:
-        """Whether a figure reaches the goal."""
+        """Tell whether a figure reaches the goal."""
         return (self.least is None or value >= self.least) and (self.most is None or value <= self.most)
 
 
@@ -105,7 +105,7 @@ class Figure:
 
     @property
     def met(self) -> bool:
-        """Whether the median reaches the goal."""
+        """Tell whether the median reaches the goal."""
         return self.goal.met(self.value)
 
 
@@ -136,7 +136,7 @@ class Outcome:
 
 
 def largest_difference(a: object, b: object) -> float:
-    """Of two arrays, entry by entry."""
+    """Largest difference of two arrays, entry by entry."""
     return float(np.abs(np.asarray(a) - np.asarray(b)).max())
 
 

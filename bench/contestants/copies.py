@@ -26,7 +26,7 @@ class Copy:
 
     @property
     def target(self) -> Floats:
-        """What was copied."""
+        """The array that was copied."""
         return self._target
 
     def run(self) -> None:

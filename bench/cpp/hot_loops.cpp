@@ -164,7 +164,7 @@ void running_sums(benchmark::State& state) {
     count(state, static_cast<double>(report.terms) * given, 32.0 * static_cast<double>(bins * bins));
 }
 
-// What a solve computes. By sums, a cell of an arm takes K sums that decay and take in mass (3 flops) and K powers of the
+// Work of a solve. By sums, a cell of an arm takes K sums that decay and take in mass (3 flops) and K powers of the
 // crossing line (3), and a cell outside the band K terms (2). Bin by bin, a cell at distance d takes the W - d shells
 // beyond it along either line (2 each), and a cell outside W of them. What moves and what stays: 8.
 double solve_flops(const comminute::CrushZones& zones, Index terms, bool whole_state) {

@@ -77,7 +77,7 @@ def tip(stress_ratio: float) -> float:
 
 
 def kinks(n: float, stress_ratio: float) -> list[float]:
-    """Where the curve has a kink among the sizes read: the tip, and the size whose band reaches the fines bin."""
+    """Kinks of the curve among the sizes read: the tip, and the size whose band reaches the fines bin."""
     psi = np.linspace(SIZES[0] - 1.0, PSI_MAX, 200_001)
     excess = psi - tip(stress_ratio)
     reaches = (excess > 0.0) & (psi - n * np.sqrt(2.0 * np.maximum(excess, 0.0)) < PSI_MIN)

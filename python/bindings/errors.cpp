@@ -92,7 +92,7 @@ void register_errors(py::module_& m) {
 Attributes
 ----------
 name : str
-    Of a list or array ("states"), a table, or a file; may be empty for a table.
+    Name of a list or array ("states"), a table, or a file; may be empty for a table.
 index : list of int
     Indices of the entry, counted from 0; empty: the whole of it.
 row : int

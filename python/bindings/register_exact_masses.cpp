@@ -106,7 +106,7 @@ at : float
 mass : ndarray (N,)
     Mass by bin of the other log size.
 above : float
-    Of the mass in the bin that holds `at`: the part larger than `at`.
+    Part of the mass in the bin that holds `at` that is larger than `at`.
 
 Examples
 --------

@@ -208,7 +208,7 @@ void add_lattice_methods(py::class_<Guarded<Model>>& lattice) {
             py::is_operator());
 }
 
-/// What either lattice takes where an option is left out.
+/// Defaults of the options of either lattice.
 py::dict shared_defaults(const LatticeOptions& standard) {
     using namespace py::literals;
     return py::dict("seed"_a = standard.seed, "replicas"_a = standard.replicas,

@@ -1,4 +1,4 @@
-"""What docs/validation/convergence.md says of the order in the bin width."""
+"""The order in the bin width, as docs/validation/convergence.md gives it."""
 
 import runpy
 from pathlib import Path

@@ -130,7 +130,7 @@ def _log_stress(stress_ratio: float) -> float:
 
 
 def _psi_crushes(psi: Array, model: Model, log_stress: float) -> npt.NDArray[np.bool_]:
-    """Whether the psi grain of each cell crushes: g(psi, psibar) <= g* of Eq. (15), divided by 2 n^2."""
+    """Tell whether the psi grain of each cell crushes: g(psi, psibar) <= g* of Eq. (15), divided by 2 n^2."""
     slope, log_reference = 3.0 / model.weibull_modulus, math.log(model.reference_size)
     gap = psi[:, None] - psi[None, :]
     resistance = -slope * (psi[:, None] - log_reference) + gap**2 / (2.0 * model.fabric_width**2)
@@ -316,7 +316,7 @@ def cell_kernel(
     loading_rate: float = 0.0,
     rule: Rule = "paper",
 ) -> Array:
-    """Where unit mass of cell (i, j) goes in one step."""
+    """Spread of the unit mass of cell (i, j) in one step."""
     split = shares(zones(psi, model, stress_ratio), kind, loading_rate)
     share = (float(split[0][i, j]), float(split[1][i, j]), float(split[2][i, j]))
     return _kernel(i, j, share, _lines(psi, model, rule))

@@ -39,7 +39,7 @@ class Line:
 
 
 class Rest(NamedTuple):
-    """What is at rest, and the mass that crushed."""
+    """Mass at rest, and mass that crushed."""
 
     p: Array
     atoms: list[Atom]
@@ -70,7 +70,7 @@ def even_line(exact: Axis, at: float, mass: Array, parts: int) -> Line:
 
 
 def _landing(edges: Array, at: float, law: Law) -> Array:
-    """Where the fragments of an exact size land, by upper edges."""
+    """Fragments of an exact size by upper edges of the bins in which they land."""
     return np.diff(law.cdf(np.minimum(edges - at, 0.0)), prepend=0.0)
 
 

@@ -177,7 +177,7 @@ def sweep(
         if moving == 0.0:
             continue
         share = (float(psi_only[i, j]), float(psibar_only[i, j]), float(both[i, j]))
-        # What a crush leaves in the cell is still in its active part and crushes again, and so on until all has
+        # Mass that a crush leaves in the cell is still in its active part and crushes again, and so on until all has
         # left: the kernel without its own cell, divided by what leaves at a time. For i, j > 0 that is 1 less
         # (1 - alpha) f_0 + alpha f_0^2: a fast crush stays only if both grains do, and moves the mass along one
         # axis only if one of them does. In row or column 0 it is 1 - f_0 for any alpha: fines stay fines.
@@ -246,7 +246,7 @@ class SettledAtoms(NamedTuple):
 
 
 def atom_crushes(atom: Atom, psi: Array, model: Model, stress_ratio: float) -> bool:
-    """Whether an atom lies in the crush zone, Eqs. (52)-(55), which is closed; fines among fines rest."""
+    """Tell whether an atom lies in the crush zone, Eqs. (52)-(55), which is closed; fines among fines rest."""
     log_stress = ref._log_stress(stress_ratio)
     if log_stress == -math.inf or max(atom.psi, atom.psibar) <= ref._upper_edges(psi)[0]:
         return False
@@ -266,7 +266,7 @@ def _fragments(at: float, psi: Array, law: Law) -> Array:
 
 
 def spread_atom(atom: Atom, psi: Array, law: Law, loading_rate: float) -> tuple[Array, float, float]:
-    """Where one crush takes an atom, and the mass that crushed in psi and in psibar, Eq. (67)."""
+    """Places to which one crush takes an atom, and the mass that crushed in psi and in psibar, Eq. (67)."""
     # Sizes that are equal but for rounding count as equal: each grain crushes first in half of the cases.
     near = abs(atom.psi - atom.psibar) <= 8.0 * ref.EPS * max(1.0, abs(atom.psi), abs(atom.psibar))
     slow = 0.5 if near else float(atom.psi > atom.psibar)

@@ -7,7 +7,7 @@ ENOUGH = 20_000
 
 
 def counts_on_during(work: Callable[[], object]) -> bool:
-    """Whether this thread counts to ENOUGH while one single call of `work` is still under way in another."""
+    """Tell whether this thread counts to ENOUGH while one single call of `work` is still under way in another."""
     started, finished = threading.Event(), threading.Event()
 
     def run() -> None:

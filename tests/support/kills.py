@@ -47,7 +47,7 @@ name = "full-convolution"
 
 @dataclass(frozen=True)
 class Remains:
-    """What a stop left: loads that can be gone on from, and whether it fell into the writing of a file."""
+    """Outcome of a stop: loads that can be gone on from, and whether it fell into the writing of a file."""
 
     loads: int
     writing: bool

@@ -126,7 +126,7 @@ def read_csv(path: Path) -> None:
 
 
 def read_lab(number: int, path: Path) -> bool:
-    """Whether a table in the style of a laboratory is read; what is read must have its rows, each with its values."""
+    """Tell whether a table in a laboratory's style is read; what is read must have its rows, each with its values."""
     from comminute.gradings.reading import read_sieves  # noqa: PLC0415
     from comminute.gradings.sieves import convert  # noqa: PLC0415
     from comminute.gradings.values import as_per_cent  # noqa: PLC0415
@@ -176,7 +176,7 @@ READERS: dict[str, Callable[[Path], None]] = {"csv": read_csv, "toml": read_toml
 
 
 def try_one(kind: str, data: bytes, folder: Path) -> bool:
-    """Whether an input was read; anything but a good result or an error in one line of words raises."""
+    """Tell whether an input was read; anything but a good result or an error in one line of words raises."""
     path = folder / f"case.{kind}"
     path.write_bytes(data)
     try:

@@ -78,7 +78,7 @@ class COMMINUTE_API CrushZones {
         return i > j ? Zone::grain : Zone::neighbour;
     }
 
-    /// Whether a pair of exact log sizes lies in the slow zone: its larger grain crushes, or either of two equal ones.
+    /// Tells whether a pair of exact log sizes lies in the slow zone: its larger grain crushes, or either of two equal ones.
     bool active(double psi, double psibar) const;
 
     /// Writes the zone of every cell.

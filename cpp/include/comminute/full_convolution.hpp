@@ -86,7 +86,7 @@ class COMMINUTE_API FullConvolution {
     std::unique_ptr<Work> work_;
 };
 
-/// Whether this build has FFTW, and so FullConvolution for any law.
+/// Tells whether this build has FFTW, and so FullConvolution for any law.
 COMMINUTE_API bool has_fftw();
 
 /// Lends the library the lock with which the host guards FFTW's planner.

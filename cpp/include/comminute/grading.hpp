@@ -203,7 +203,7 @@ enum class PointHandling {
 COMMINUTE_API Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mean::arithmetic,
                                   PointHandling points = PointHandling::exact);
 
-/// What a fitting grid has to keep to; whatever is not given is chosen by fitting_grid().
+/// Constraints on a fitting grid; fitting_grid() chooses whatever is not given.
 struct GridOptions {
     /// Wanted bin width, > 0. The grid's is no larger, unless that would take more than 2000 bins or `bins` is given.
     double spacing = 0.02;

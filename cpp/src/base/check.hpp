@@ -18,7 +18,7 @@ std::string shape_text(Index rows, Index cols);
 Place entry(const char* list, std::initializer_list<Index> index = {});
 Place entry(const char* list, std::size_t index);
 
-/// Whether the value can be a share of the mass.
+/// Tells whether the value can be a share of the mass.
 inline bool is_share(double value) {
     return std::isfinite(value) && value >= 0.0;
 }
@@ -55,7 +55,7 @@ void require_square(MatrixView<T> m, Index bins, const char* name) {
     require_square(m.rows(), m.cols(), m.stride(), bins, name);
 }
 
-/// Whether the memory from the first to the last entry of one view meets that of the other.
+/// Tells whether the memory from the first to the last entry of one view meets that of the other.
 bool overlap(MatrixView<const double> a, MatrixView<const double> b);
 
 /// Throws ShapeError if the two views share memory without being the same view.

@@ -5,7 +5,7 @@
 
 namespace comminute::detail {
 
-/// What the two arms of a shell have in common. Arrays by line begin with the pack of the first line.
+/// Data that the two arms of a shell have in common. Arrays by line begin with the pack of the first line.
 struct Shell {
     Index terms;             ///< K
     const double* entering;  ///< (K) weight of mass that enters the running sums, as in `Falling`

@@ -14,7 +14,7 @@ void add_scaled(double factor, const double* from, double* to, Index count);
 /// registers the machine has.
 double sum(const double* values, Index count);
 
-/// Whether no value is infinite or NaN.
+/// Tells whether no value is infinite or NaN.
 bool all_finite(const double* values, Index count);
 
 /// Mass that crushes in a row of cells and mass that arrives there.

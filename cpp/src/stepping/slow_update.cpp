@@ -109,7 +109,7 @@ void SlowUpdate::Work::look(MatrixView<const double> p) {
     report.active = report.crushed + report.crushed_neighbour;
 }
 
-// Whether cells by themselves, O(N) for each, cost more than K sums along all lines; by measurement a number of the one
+// Tells whether cells by themselves, O(N) for each, cost more than K sums along all lines; by measurement a number of the one
 // takes as long as five of the other.
 bool SlowUpdate::Work::sums_cost_less() const {
     if (!by_sums.available()) return false;

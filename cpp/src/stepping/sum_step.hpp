@@ -23,7 +23,7 @@ class SumStep {
   public:
     explicit SumStep(const Kernel& kernel);
 
-    /// Whether the law has the sum that it takes; nothing else may be called where it has not.
+    /// Tells whether the law has the sum that it takes; nothing else may be called where it has not.
     bool available() const { return table_.terms > 0; }
     Index terms() const { return table_.terms; }
 

@@ -56,7 +56,7 @@ void move_marginal(const CrushTable& table, const Arrivals& arrivals, const Arra
         }
         const Index entering = i + table.head + 1;
         if (table.terms > 0) landed += line.advance(entering < bins ? crushed[entering] : 0.0);
-        // Where all of a bin crushes the exact result is 0, and a negative one is rounding.
+        // The exact result is 0 if all of a bin crushes, and a negative one is rounding.
         grading[i] = std::max(grading[i] + landed - crushed[i], 0.0);
     }
 }

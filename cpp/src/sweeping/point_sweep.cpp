@@ -110,7 +110,7 @@ void PointSweep::crush_atom(const Atom& atom) {
 // sides of it.
 void PointSweep::fall_along(double mass, Index from, double at, Array<Parts>& onto) const {
     const Index own = grid_.bin_of(at);
-    // Where the exact size lies on an edge, rounding may put it outside its bin by a unit in the last place.
+    // Rounding may put an exact size that lies on an edge outside its bin by a unit in the last place.
     const double upper_part = std::clamp((grid_.edge(own + 1) - at) / grid_.spacing(), 0.0, 1.0);
     const double leaves = below_[1];
     for (Index k = 0; k < from; ++k) {

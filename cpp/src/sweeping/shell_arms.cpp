@@ -94,7 +94,7 @@ Arm ShellArms::arm_of(Side& side, Index m, const double* there, bool keep_landed
             side.lines.fines() + from};
 }
 
-// What stays in the cells of an arm, but for its fines cell.
+// Mass that stays in the cells of an arm, but for its fines cell.
 void ShellArms::leave_arm(const Side& side, Index m, const double* there, double* rest) const {
     const Index begin = walk_.reaches_fines(m) ? 1 : walk_.first(m);
     leave({there + begin, side.landed.data() + begin, shares_.settled() + begin, shares_.arrived() + begin},

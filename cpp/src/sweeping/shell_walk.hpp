@@ -35,9 +35,9 @@ class ShellWalk {
     Index first(Index m) const { return first_[m]; }
     /// Largest distance m - first(m).
     Index longest() const { return longest_; }
-    /// Whether the arms of shell m end in the fines bin.
+    /// Tells whether the arms of shell m end in the fines bin.
     bool reaches_fines(Index m) const { return m > 0 && first_[m] == 0; }
-    /// Whether the fragments have no head: a shell's masses then enter the sums at the next shell.
+    /// Tells whether the fragments have no head: a shell's masses then enter the sums at the next shell.
     bool without_head() const { return table_->head == 0; }
     /// Coarsest shell within the head of shell m that has pushed mass onto line m; m if there is none. Sums over the head
     /// run from there down, since the mass that has fallen farthest is the least and would be rounded away beside the rest.

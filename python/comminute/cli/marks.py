@@ -56,7 +56,7 @@ def _percents(name: str) -> tuple[int, ...]:
 
 
 def _reaches_tail(name: str, curve: SizeCurve, silt: float) -> bool:
-    """Whether an integral over sizes rests on the tail of a curve that has one."""
+    """Tell whether an integral over sizes rests on the tail of a curve that has one."""
     finest = convert(float(curve.size[0]), curve.unit, "mm") if unit_of(curve.unit) else 0.0
     if name.startswith("finer than"):
         return finest > silt

@@ -65,7 +65,7 @@ def require_agreement(
 
 
 def is_numbered(column: Column, line: Line, styles: dict[int, Style]) -> bool:
-    """Whether a cell names its sieve by a number of a series."""
+    """Tell whether a cell names its sieve by a number of a series."""
     try:
         return read_size(column.cell(line).text, styles[column.index]).named == "mesh"
     except ParameterError:
@@ -97,7 +97,7 @@ def require_same_sieves(
 
 
 def same_opening(here: float, there: float) -> bool:
-    """Whether two openings are those of one sieve, as exact or as old standards have it."""
+    """Tell whether two openings are those of one sieve, as exact or as old standards have it."""
     return here > 0.0 and there > 0.0 and abs(math.log(here / there)) <= AGREE
 
 

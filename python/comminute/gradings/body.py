@@ -101,14 +101,14 @@ def _label(line: Line, sizes: list[Column], texts: list[Column]) -> str:
 
 
 def _is_nought(column: Column, line: Line) -> bool:
-    """Whether a size cell holds 0, or a dash in its place."""
+    """Tell whether a size cell holds 0, or a dash in its place."""
     cell = column.cell(line)
     zero = column.meaning.name != "phi" and re.fullmatch(r"0*[.,]?0+", plain(cell.text)) is not None
     return bool(cell.text) and (is_blank(cell) or zero)
 
 
 def _is_words(line: Line) -> bool:
-    """Whether a line says something rather than naming a sieve: a signature, a date, a remark."""
+    """Tell whether a line says something rather than naming a sieve: a signature, a date, a remark."""
     first = line.filled[0].text
     return not any(c.isdigit() for c in first) or (len(line.filled) == 1 and len(plain(first).split()) > 2)
 

@@ -47,7 +47,7 @@ def columns_of(layout: Layout) -> tuple[list[Column], list[Column]]:
 
 
 def _is_bare(text: str) -> bool:
-    """Whether a cell holds a number and no unit."""
+    """Tell whether a cell holds a number and no unit."""
     return all(c in "0123456789.,' " for c in text.strip())
 
 

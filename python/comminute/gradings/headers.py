@@ -1,4 +1,4 @@
-"""What one column of a sieve table holds, by the words of its header."""
+"""Contents of one column of a sieve table, by the words of its header."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SIZES: tuple[str, ...] = ("size_mm", "size_um", "size_cm", "size_m", "size_in", 
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a column holds.
+    """Contents of a column.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Where a table begins in a sheet, what each of its columns holds, and which lines stand around it."""
+"""Layout of a sheet: the line in which its table begins, the contents of each column, and the lines around it."""
 
 from __future__ import annotations
 
@@ -215,7 +215,7 @@ def _titles(lines: list[Line]) -> list[str]:
 
 
 def _is_units(line: Line) -> bool:
-    """Whether a line holds nothing but units."""
+    """Tell whether a line holds nothing but units."""
     return (
         bool(line.filled)
         and all(unit_in(cell.text) or cell.text in NO_UNITS for cell in line.filled)
@@ -320,5 +320,5 @@ def _why_none(sheet: Sheet) -> ParameterError:
 
 
 def is_blank(cell: Cell) -> bool:
-    """Whether a cell holds nothing, or a dash for nothing."""
+    """Tell whether a cell holds nothing, or a dash for nothing."""
     return plain(cell.text) in ("", "-", "--", "---", "/", "n/a", "na")

@@ -1,4 +1,4 @@
-"""What a sieve table may leave open, and a caller says."""
+"""Options by which a caller says what a sieve table leaves open."""
 
 from __future__ import annotations
 

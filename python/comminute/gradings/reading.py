@@ -150,7 +150,7 @@ def read_sieves(
     number : bool
         Whether the caller takes the shares for counts, which masses cannot be.
     how : Reading
-        What the table leaves open.
+        Choices that the table leaves open.
 
     Returns
     -------

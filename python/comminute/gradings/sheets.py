@@ -32,7 +32,7 @@ class Cell:
 
     @property
     def numeric(self) -> bool:
-        """Whether this looks like a number, in whatever notation."""
+        """Tell whether this looks like a number, in whatever notation."""
         return self.number is not None or NUMERIC.fullmatch(self.text) is not None
 
 
@@ -181,7 +181,7 @@ def _joined(name: str, lines: list[tuple[int, str]], delimiter: str) -> Iterator
 
 
 def is_comment(cells: tuple[Cell, ...]) -> bool:
-    """Whether a row that begins with # says something in words, rather than naming a sieve such as #200."""
+    """Tell whether a row that begins with # says something in words, rather than naming a sieve such as #200."""
     first = cells[0].text if cells else ""
     if not first.startswith("#") or re.fullmatch(r"#(REF!|N/A|NAME\?|DIV/0!|VALUE!|NUM!|NULL!)", first):
         return False

@@ -28,9 +28,9 @@ class Column:
     size : tuple of float
     value : tuple of float
     pan, whole : float or None
-        What is in the pan, and what all of it comes to, where a row or an option says so.
+        Content of the pan, and the total, where a row or an option says so.
     loss : float
-        What was lost in sieving.
+        Mass lost in sieving.
     upper : bool
         Whether each value belongs to the class below its size rather than above it.
     pan_place : str

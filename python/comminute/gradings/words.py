@@ -396,7 +396,7 @@ def meanings_of(text: str, table: str = "header") -> tuple[frozenset[str], list[
 
 
 def begins_with(words: str, meaning: str) -> bool:
-    """Whether a folded text begins with a word for the name of a row."""
+    """Tell whether a folded text begins with a word for the name of a row."""
     return any(
         words.startswith(word) and not words[len(word) : len(word) + 1].isalnum()
         for word, meanings in _phrases("row")

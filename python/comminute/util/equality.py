@@ -8,7 +8,7 @@ import numpy as np
 
 
 def same_values(mine: Iterable[object], theirs: Iterable[object]) -> bool:
-    """Whether two rows of values are equal in every number; NaN, which says "not known", equals NaN.
+    """Tell whether two rows of values are equal in every number; NaN, which says "not known", equals NaN.
 
     Examples
     --------

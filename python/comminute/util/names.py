@@ -12,7 +12,7 @@ def shorten(text: str, most: int = 40) -> str:
 
 
 def is_file(path: Path) -> bool:
-    """Whether a path names a file; a name that no file can have does not."""
+    """Tell whether a path names a file; a name that no file can have does not."""
     try:
         return path.is_file()
     except (OSError, ValueError):

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-// What several test files need. Nothing here calls the part of the library that it helps to test.
+// Helpers of several test files. Nothing here calls the part of the library that it helps to test.
 namespace helpers {
 
 using comminute::Index;

@@ -1,4 +1,4 @@
-"""What survives a stop of the command line, by Ctrl-C or worse, and how a run goes on from there."""
+"""Runs of the command line that are stopped, by Ctrl-C or worse: what survives, and how they go on."""
 
 import signal
 from pathlib import Path

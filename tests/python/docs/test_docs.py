@@ -1,4 +1,4 @@
-"""What the documentation says runs: docstring examples, and the Python of the README."""
+"""The documentation's code runs: docstring examples, and the Python of the README."""
 
 import doctest
 import importlib

@@ -46,7 +46,7 @@ def test_a_wrong_word_is_caught_by_mypy(tmp_path: Path) -> None:
 
 def test_the_stubs_describe_the_module(tmp_path: Path) -> None:
     allowed = tmp_path / "allowed"
-    # What pybind11 adds to every class (its metaclass among it), and names the stubs use among themselves.
+    # Attributes that pybind11 adds to every class (its metaclass among it), and names the stubs use among themselves.
     allowed.write_text(r"comminute\._core\.((.*\.)?(_pybind11_conduit_v1_|__.*__|_[A-Za-z]+)|[A-Z]\w+)" + "\n")
     done = mypy("comminute._core", "--allowlist", str(allowed), "--ignore-unused-allowlist", module="mypy.stubtest")
     assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""What the everyday plots draw, on which axes."""
+"""The everyday plots: their curves and axes."""
 
 import dataclasses
 import subprocess

@@ -1,4 +1,4 @@
-"""What a solve holds beside its states, by the operating system's count."""
+"""Memory that a solve holds beside its states, by the operating system's count."""
 
 import subprocess
 import sys
