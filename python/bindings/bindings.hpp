@@ -4,7 +4,6 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <sstream>
 #include <string>
 
 #include "comminute/comminute.hpp"
@@ -12,6 +11,7 @@
 namespace py = pybind11;
 
 void register_errors(py::module_& m);
+
 // One function for each room of the library that Python sees, in the order of the rooms.
 void register_model(py::module_& m);
 void register_zones(py::module_& m);
@@ -21,8 +21,8 @@ void register_stepping(py::module_& m);
 void register_sweeping(py::module_& m);
 void register_lattice(py::module_& m);
 
-/// Adds to `_core.defaults` what a function takes where a parameter is left out. Python reads defaults there, since the
-/// signature of a bound function tells them in its text only.
+/// Adds the defaults of a function's parameters to `_core.defaults`. Python reads them there, since the signature of a
+/// bound function tells them in its text only.
 void tell_defaults(py::module_& m, const char* function, const py::dict& values);
 
 /// Python's own text of a value, for reprs: repr_of("Material", "weibull_modulus", 3.0, ...).

@@ -1,14 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bindings.hpp"
 
-void tell_defaults(py::module_& m, const char* function, const py::dict& values) {
-    const auto read_only = py::module_::import("types").attr("MappingProxyType");
-    py::dict all;
-    if (py::hasattr(m, "defaults")) all.attr("update")(m.attr("defaults"));
-    all[function] = read_only(values);
-    m.attr("defaults") = read_only(all);
-}
-
 PYBIND11_MODULE(_core, m) {
     m.doc() = "The C++ core of comminute; import comminute instead.";
     m.attr("__version__") = comminute::version;
