@@ -50,6 +50,12 @@ class Array {
     Storage values_;
 };
 
+/// Entry of a standard container by signed index.
+template <class Container>
+auto& at(Container& values, Index i) {
+    return values[static_cast<std::size_t>(i)];
+}
+
 /// Borrowed numbers side by side as an Eigen array: sums, products and comparisons entry by entry.
 using Line = Eigen::Map<Eigen::ArrayXd>;
 using ConstLine = Eigen::Map<const Eigen::ArrayXd>;

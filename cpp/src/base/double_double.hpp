@@ -39,7 +39,10 @@ inline DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
 /// exp(x) - 1 for x >= 0: a Taylor series at x / 2^k < 1/16, and expm1(2 y) = expm1(y) (expm1(y) + 2).
 inline DoubleDouble exact_expm1(double x) {
     int halvings = 0;
-    for (; x >= 0.0625; x *= 0.5) ++halvings;
+    while (x >= 0.0625) {
+        x *= 0.5;
+        ++halvings;
+    }
     DoubleDouble series{1.0, 0.0};
     for (int n = 18; n > 1; --n) {
         series = series * DoubleDouble{x} / DoubleDouble{static_cast<double>(n)} + 1.0;

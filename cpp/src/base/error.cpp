@@ -73,6 +73,7 @@ std::string what_of(const Fault& fault) {
 
 std::vector<Remedy> remedies() {
     std::vector<Remedy> all;
+    all.reserve(remedy_words.size());
     for (const RemedyWords& entry : remedy_words) all.push_back(entry.remedy);
     return all;
 }

@@ -49,7 +49,7 @@ double checked_total(const LogGrid& grid, const std::vector<Ridge>& ridges) {
             if (!is_share(ridge.mass[i])) refuse_share(ridge.mass[i], {entry("ridges", r), entry("mass", i)});
             total += ridge.mass[i];
         }
-        const double in_bin = ridge.mass.data()[grid.bin_of(ridge.at)];
+        const double in_bin = at(ridge.mass, grid.bin_of(ridge.at));
         if (ridge.above >= 0.0 && ridge.above <= in_bin) continue;
         throw ParameterError(
             {.parameter = "above",
@@ -198,9 +198,10 @@ Fabric Fabric::binned() const {
     const auto put = [&](Index i, Index j, double mass) { cells(i, j) += mass; };
     for (const Atom& atom : atoms()) put(grid().bin_of(atom.psi), grid().bin_of(atom.psibar), atom.mass);
     for (const Ridge& ridge : ridges()) {
-        const Index at = grid().bin_of(ridge.at);
+        const Index own = grid().bin_of(ridge.at);
+        const VectorView<const double> mass(ridge.mass);
         for (Index i = 0; i < bins; ++i) {
-            ridge.exact == Axis::grain ? put(at, i, ridge.mass.data()[i]) : put(i, at, ridge.mass.data()[i]);
+            ridge.exact == Axis::grain ? put(own, i, mass[i]) : put(i, own, mass[i]);
         }
     }
     const std::vector<double>& marginal = data_->grainsize;

@@ -84,7 +84,7 @@ LogGrid completed(const LogGrid& fitted, const SizeRange& sizes, const GridOptio
         return {low, top - 0.5 * spacing, bins};
     }
     if (given.psi_min) return {low, top, bins};
-    const double intervals = static_cast<double>(bins - 1);
+    const auto intervals = static_cast<double>(bins - 1);
     return {top - intervals * spacing_between(*sizes.points, (top - low) / intervals), top, bins};
 }
 

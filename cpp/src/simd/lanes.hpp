@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <new>
-#include <vector>
 
+#include "base/arrays.hpp"
 #include "comminute/view.hpp"
 
 namespace comminute::detail {
@@ -26,7 +26,8 @@ struct CacheLineAllocator {
     void deallocate(T* memory, std::size_t) { ::operator delete(memory, line); }
     friend bool operator==(const CacheLineAllocator&, const CacheLineAllocator&) { return true; }
 };
-using LaneVector = std::vector<double, CacheLineAllocator<double>>;
+/// Numbers in packs of lines, each pack a cache line.
+using LaneArray = Array<double, CacheLineAllocator<double>>;
 
 /// Largest multiple of `lanes` that is not above n.
 constexpr Index lanes_down(Index n) {

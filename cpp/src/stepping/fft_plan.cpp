@@ -128,9 +128,8 @@ struct LineSpreader::Plans {
 // line, as the buffers do for which the plans are made.
 LineSpreader::LineSpreader(VectorView<const double> filter, Index pairs, PlanEffort effort)
     : distance_(2 * ladder(filter.size()).back() + lanes), used_(pairs) {
-    const auto numbers = static_cast<std::size_t>(distance_);
-    lines_.resize(numbers * static_cast<std::size_t>(pairs));
-    spectral_.resize(numbers);
+    lines_.resize(distance_ * pairs);
+    spectral_.resize(distance_);
     plans_ = std::make_shared<const Plans>(filter, lines_.data(), spectral_.data(), effort);
     std::fill(lines_.begin(), lines_.end(), 0.0);
 }

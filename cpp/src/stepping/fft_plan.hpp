@@ -36,9 +36,9 @@ class LineSpreader {
 
     std::shared_ptr<const Plans> plans_;
     Index distance_;
-    LaneVector lines_;     // (pairs, distance)
-    LaneVector spectral_;  // (distance) a pair, transformed
-    Array<Index> used_;    // (pairs) length of each pair's last transform
+    LaneArray lines_;     // (pairs, distance)
+    LaneArray spectral_;  // (distance) a pair, transformed
+    Array<Index> used_;   // (pairs) length of each pair's last transform
 };
 
 }  // namespace comminute::detail

@@ -19,7 +19,7 @@ Array<double> spread(const FragmentPmf& fragments, Index from) {
     const VectorView<const double> mass = fragments.mass;
     Array<double> line(mass.size());
     for (Index m = 0; m < from; ++m) line[from - m] = mass[m];
-    line[0] = fragments.below.data()[from];
+    line[0] = at(fragments.below, from);
     return line;
 }
 

@@ -62,7 +62,7 @@ struct SlowUpdate::Work {
     const CrushZones& zones() const { return runs.zones(); }
     const double* fragments() const { return kernel.fragments().mass.data(); }
     /// Share of a crush in bin m that lands in the fines bin.
-    double to_fines(Index m) const { return kernel.fragments().below.data()[m]; }
+    double to_fines(Index m) const { return at(kernel.fragments().below, m); }
     /// f_{m - c} for the bins c = 1 .. m - 1 of a line.
     ConstLine onto_line(Index m) const {
         return {fragments_reversed.data() + kernel.grid().bins() - m, m - 1};

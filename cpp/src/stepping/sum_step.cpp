@@ -29,14 +29,13 @@ SumStep::SumStep(const Kernel& kernel)
       stays_(kernel.fragments().mass[0]),
       table_(CrushTable::make(kernel.fragments(), sum_of(kernel), 1.0)) {
     if (!available()) return;
-    const auto terms = static_cast<std::size_t>(table_.terms);
-    grain_.resize(static_cast<std::size_t>(bins_ * stride_));
-    reach_.resize(static_cast<std::size_t>(bins_));
-    entering_.resize(static_cast<std::size_t>(bins_ * 2 * rows_a_tile));
-    sums_.resize(terms * columns_a_tile);
+    grain_.resize(bins_ * stride_);
+    reach_.resize(bins_);
+    entering_.resize(bins_ * 2 * rows_a_tile);
+    sums_.resize(table_.terms * columns_a_tile);
     arriving_.resize(columns_a_tile);
     column_fines_.resize(columns_a_tile);
-    factors_.resize(terms * rows_at_once);
+    factors_.resize(table_.terms * rows_at_once);
 }
 
 void SumStep::widen(Reach& reach, Index begin, Index end) {
@@ -76,18 +75,18 @@ void SumStep::put(Index i, Index j, Index lane, double neighbour, double both, d
     const double below = j == 0 ? 0.0 : table_.below[j];
     row[j] = stays * neighbour;
     grain(i)[j] += stays * both;
-    fines_.data()[lane] += below * neighbour;
-    fines_.data()[rows_a_tile + lane] += below * both;
+    at(fines_, lane) += below * neighbour;
+    at(fines_, rows_a_tile + lane) += below * both;
     entering(j)[lane] = neighbour;
     entering(j)[rows_a_tile + lane] = both;
 }
 
 // Adds the mass that has arrived in bin j of the rows at hand.
 void SumStep::land(Index begin, Index end, Index j, MatrixView<double> out) {
-    for (Index i = begin; i < end; ++i) out(i, j) += arriving_.data()[i - begin];
+    for (Index i = begin; i < end; ++i) out(i, j) += arriving_[i - begin];
     if (!both_) return;
     for (Index i = begin; i < end; ++i) {
-        grain(i)[j] += arriving_.data()[rows_a_tile + i - begin];
+        grain(i)[j] += arriving_[rows_a_tile + i - begin];
     }
 }
 
@@ -110,7 +109,7 @@ void SumStep::spread_rows(Index begin, Index end, MatrixView<double> out) {
         const double* falling = table_.falling_at(std::max(shell, Index{0}));
         for (Index lane = 0; lane < count; ++lane) {
             for (Index a = 0; a < table_.terms; ++a) {
-                double& sum = sums_.data()[(lane / lanes * table_.terms + a) * lanes + lane % lanes];
+                double& sum = sums_[(lane / lanes * table_.terms + a) * lanes + lane % lanes];
                 sum = sum * falling[a] + table_.coefficient[a] * entering(bottom)[lane];
             }
         }
@@ -118,8 +117,8 @@ void SumStep::spread_rows(Index begin, Index end, MatrixView<double> out) {
         if (both_) fall_along_rows(begin, end, bottom, rows_a_tile, {grain_.data(), bins_, bins_, stride_});
     }
     for (Index i = begin; i < end; ++i) {
-        out(i, 0) += fines_.data()[i - begin];
-        grain(i)[0] += fines_.data()[rows_a_tile + i - begin];
+        out(i, 0) += at(fines_, i - begin);
+        grain(i)[0] += at(fines_, rows_a_tile + i - begin);
         if (both_) widen(reach(i), 0, 1);
     }
     std::fill(entering(tile_reach_.begin),
@@ -129,7 +128,7 @@ void SumStep::spread_rows(Index begin, Index end, MatrixView<double> out) {
 // Adds the mass that the rows' sums give to bins 1 to bottom - 1.
 void SumStep::fall_along_rows(Index begin, Index end, Index bottom, Index first_lane, MatrixView<double> to) {
     const auto factor = [&](Index lane, Index a, Index last) {
-        return sums_.data()[(lane / lanes * table_.terms + a) * lanes + lane % lanes] *
+        return sums_[(lane / lanes * table_.terms + a) * lanes + lane % lanes] *
                table_.powers(a)[bottom - last];
     };
     for (Index from = 1; from < bottom; from += columns_a_reference) {
@@ -141,7 +140,7 @@ void SumStep::fall_along_rows(Index begin, Index end, Index bottom, Index first_
         for (; i + rows_at_once <= end; i += rows_at_once) {
             for (Index a = 0; a < terms; ++a) {
                 for (Index r = 0; r < rows_at_once; ++r) {
-                    factors_.data()[a * rows_at_once + r] = factor(first_lane + i - begin + r, a, last);
+                    factors_[a * rows_at_once + r] = factor(first_lane + i - begin + r, a, last);
                 }
             }
             add_to_rows({power, lanes, table_.stride}, factors_.data(), terms, to.row(i) + from, to.stride(),
@@ -149,7 +148,7 @@ void SumStep::fall_along_rows(Index begin, Index end, Index bottom, Index first_
         }
         for (; i < end; ++i) {
             for (Index a = 0; a < terms; ++a) {
-                factors_[static_cast<std::size_t>(a)] = factor(first_lane + i - begin, a, last);
+                factors_[a] = factor(first_lane + i - begin, a, last);
             }
             add_terms(factors_.data(), {power, table_.stride}, terms, to.row(i) + from, count);
         }
@@ -188,7 +187,7 @@ void SumStep::spread_columns(Index begin, Index end, MatrixView<double> out) {
                    column_fines_.data(), count);
     }
     if (row > 0) fall_along_columns(begin, end, row, shell, out);
-    for (Index k = 0; k < count; ++k) out(0, begin + k) += column_fines_.data()[k] + grain(0)[begin + k];
+    for (Index k = 0; k < count; ++k) out(0, begin + k) += column_fines_[k] + grain(0)[begin + k];
 }
 
 // Adds the mass that the columns' sums, as of `row` + 1, give to rows `row` to 1.
@@ -202,7 +201,7 @@ void SumStep::fall_along_columns(Index begin, Index end, Index row, Index shell,
         const Index terms = table_.terms_from[row + 1 - top];
         for (Index a = 0; a < terms; ++a) {
             for (Index r = 0; r < rows_at_once; ++r) {
-                factors_.data()[a * rows_at_once + r] = falling[a] * table_.powers(a)[row + 1 - first - r];
+                factors_[a * rows_at_once + r] = falling[a] * table_.powers(a)[row + 1 - first - r];
             }
         }
         add_to_rows({sums_.data(), table_.terms * lanes, lanes}, factors_.data(), terms,

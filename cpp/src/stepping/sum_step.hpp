@@ -50,7 +50,7 @@ class SumStep {
     void fall_along_columns(Index begin, Index end, Index row, Index shell, MatrixView<double> out);
     double* grain(Index i) { return grain_.data() + i * stride_; }
     double* entering(Index j) { return entering_.data() + j * 2 * rows_a_tile; }
-    Reach& reach(Index i) { return reach_.data()[i]; }
+    Reach& reach(Index i) { return reach_[i]; }
     static void widen(Reach& reach, Index begin, Index end);
 
     Index bins_;
@@ -58,17 +58,17 @@ class SumStep {
     double stays_;  // f_0
     CrushTable table_;
     StepReport report_;
-    LaneVector grain_;          // (N, stride) what crushes in psi; 0 outside its reach
-    std::vector<Reach> reach_;  // (N)
-    LaneVector
+    LaneArray grain_;     // (N, stride) what crushes in psi; 0 outside its reach
+    Array<Reach> reach_;  // (N)
+    LaneArray
         entering_;  // (N, 2, 16) what crushes in psibar and in both, of the rows at hand, by bin; 0 between
     Reach tile_reach_;   // of them
     bool both_ = false;  // whether any of it crushes in both
     std::array<double, 2 * rows_a_tile> fines_{};
-    LaneVector sums_;      // (packs, K, lanes) of the lines at hand
-    LaneVector arriving_;  // by line
-    LaneVector column_fines_;
-    std::vector<double> factors_;  // (K, 4)
+    LaneArray sums_;      // (packs, K, lanes) of the lines at hand
+    LaneArray arriving_;  // by line
+    LaneArray column_fines_;
+    Array<double> factors_;  // (K, 4)
 };
 
 }  // namespace comminute::detail

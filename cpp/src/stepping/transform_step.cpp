@@ -23,7 +23,7 @@ TransformStep::TransformStep(const Kernel& kernel, PlanEffort effort)
     : spreader_(kernel.fragments().mass, lanes / 2, effort),
       some_stays_(kernel.fragments().mass[0] > 0.0),
       stride_(row_stride(kernel.grid().bins())),
-      psi_crushing_(static_cast<std::size_t>(kernel.grid().bins() * stride_)),
+      psi_crushing_(kernel.grid().bins() * stride_),
       reach_(kernel.grid().bins()) {}
 
 // Puts a share of a run's mass on a line of the pair, which it opens if need be.

@@ -38,7 +38,7 @@ class TransformStep {
     LineSpreader spreader_;
     bool some_stays_;  // whether part of a crush stays in its own bin; never under the paper's scheme
     Index stride_;
-    LaneVector psi_crushing_;     // (N, stride) mass to be spread along psi: a + f *_psibar c
+    LaneArray psi_crushing_;      // (N, stride) mass to be spread along psi: a + f *_psibar c
     Array<Index> reach_;          // (N) bins of psi_crushing's rows, from the finest, that may hold mass
     LinePair lines_;              // the pair at hand
     std::size_t line_count_ = 0;  // lines of it that are taken, while rows are divided

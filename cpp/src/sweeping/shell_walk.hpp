@@ -11,9 +11,6 @@
 
 namespace comminute::detail {
 
-/// Numbers in packs of lines, each pack a cache line.
-using LaneArray = Array<double, CacheLineAllocator<double>>;
-
 /// The shells of one sweep from coarse to fine: the table of fragments, the edge of the band, and the place of the
 /// current shell in its block. The parts of a sweep read it; BandSweep alone moves it on.
 class ShellWalk {

@@ -32,8 +32,8 @@ ShellZones::Extents ShellZones::extents(Index m) const {
     Extents extents;
     for (Index l = 0; l < lanes; ++l) {
         const auto most = static_cast<double>(m + l);
-        extents.whole.data()[l] = inner[l] >= 0.0 ? static_cast<Index>(std::min(inner[l], most)) + 1 : 0;
-        extents.last.data()[l] = outer[l] >= 0.0 ? static_cast<Index>(std::min(outer[l], most)) : -1;
+        at(extents.whole, l) = inner[l] >= 0.0 ? static_cast<Index>(std::min(inner[l], most)) + 1 : 0;
+        at(extents.last, l) = outer[l] >= 0.0 ? static_cast<Index>(std::min(outer[l], most)) : -1;
     }
     return extents;
 }
@@ -50,7 +50,7 @@ void ShellZones::shares(Index m, const Distances& first, Index rows, double* sha
         for (Index l = 0; l < lanes; ++l) {
             const double begin = std::clamp(tip_ - static_cast<double>(m + l), -0.5, 0.5);
             const double above = steepness_ > 0.0 ? 0.5 - begin : 0.0;
-            share[row * lanes + l] = first.data()[l] + row == 0 ? above * (2.0 - above) : above;
+            share[row * lanes + l] = at(first, l) + row == 0 ? above * (2.0 - above) : above;
         }
     }
 }
