@@ -19,7 +19,7 @@ docs: $(VENV)/.installed
 
 test: $(VENV)/.installed build/release/.built
 	ctest --preset release
-	$(PY) -m pytest
+	$(PY) -m pytest -n auto
 
 # Comparison with peers; see bench/README.md. The short form checks answers at small sizes and times nothing.
 bench: $(VENV)/.bench benchmark-library build/bench/.transforms
