@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where crushed mass lands along its line, for all engines that add it up (docs/theory/one_sweep.md, section 6).
+// Landing of crushed mass along its line, for all engines that add it up (docs/theory/one_sweep.md, section 6).
 #pragma once
 
 #include "base/arrays.hpp"

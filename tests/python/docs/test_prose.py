@@ -21,7 +21,7 @@ def openings_of_cpp(path: Path) -> list[tuple[int, str]]:
         alone = comment is not None and line.lstrip().startswith("//")
         if comment is not None and not (alone and before):
             found.append((number, comment[1]))
-        before = alone
+        before = alone and "SPDX" not in line
     return found
 
 
