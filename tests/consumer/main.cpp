@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a host code sees: installed headers, C++17, no Eigen, no FFTW header.
+// A host code: installed headers, C++17, no Eigen, no FFTW header.
 #include <comminute/comminute.hpp>
 #include <cstdio>
 

@@ -17,12 +17,6 @@ using helpers::material;
 using helpers::random_state;
 using helpers::State;
 
-namespace {
-
-constexpr auto schemes = {Scheme::paper, Scheme::conservative};
-
-}  // namespace
-
 TEST_CASE("the slow update moves a large state as its cells one by one") {
     std::mt19937_64 random(40);
     const Index n = 300;  // 45 000 cells crush in psi: more than one block of the engine's buffer
@@ -58,7 +52,7 @@ TEST_CASE("the slow update moves a large state as its cells one by one") {
 TEST_CASE("the slow update equals the full convolution with the slow kernel") {
     std::mt19937_64 random(35);
     for (const Index bins : {8, 31, 64, 127}) {
-        for (const Scheme scheme : schemes) {
+        for (const Scheme scheme : {Scheme::paper, Scheme::conservative}) {
             const Material m = material(log_uniform(random, 0.03, 1.0));
             const LogGrid grid(-5.0, 0.4, bins);
             SlowUpdate slow(grid, m, {scheme});
