@@ -74,9 +74,9 @@ lint: $(VENV)/.installed
 	cmake --preset release > /dev/null
 	ls cpp/src/*/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option
 
-# C++ tests under AddressSanitizer with UBSan and under ThreadSanitizer, without FFTW, not optimised, and by clang.
+# C++ tests under AddressSanitizer with UBSan, under ThreadSanitizer, not optimised and without FFTW, and by clang.
 sanitize: $(VENV)/.made
-	for preset in asan tsan no-fftw dev clang; do \
+	for preset in asan tsan no-fftw clang; do \
 	  cmake --preset $$preset -DPython3_EXECUTABLE=$(abspath $(PY)) && cmake --build --preset $$preset && ctest --preset $$preset || exit 1; \
 	done
 
@@ -84,6 +84,9 @@ check: lint sanitize test
 
 # Long random checks; all but the first write their reports under docs/validation.
 check-long: $(VENV)/.installed
+	cmake --preset release > /dev/null
+	ls cpp/src/*/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --checks='-*,clang-analyzer-*' \
+	  --extra-arg=-Wno-unknown-warning-option
 	COMMINUTE_HYPOTHESIS=long $(PY) -m pytest -q tests/laws/test_against_reference.py tests/laws/test_laws.py \
 	  tests/python/lattice/test_lattice.py
 	$(PY) tests/support/mutations.py 60000 30000 20000 100000
