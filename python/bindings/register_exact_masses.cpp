@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <optional>
+
 #include "arrays.hpp"
 #include "rooms.hpp"
 #include "words.hpp"
@@ -28,6 +30,9 @@ psi : float
     Log size.
 mass : float
     Share of the mass.
+size : float, optional
+    The size itself, in the material's unit: exp(psi) where it is left out. Curves jump there, since exp(ln s) is
+    often another number than s.
 
 Examples
 --------
@@ -36,20 +41,23 @@ Examples
 >>> psi, mass
 (0.0, 1.0)
 )doc")
-        .def(py::init([](double psi, double mass) {
-                 return PointMass{psi, mass};
+        .def(py::init([](double psi, double mass, std::optional<double> size) {
+                 return size ? PointMass{psi, mass, *size} : PointMass{psi, mass};
              }),
-             py::arg("psi"), py::arg("mass"))
+             py::arg("psi"), py::arg("mass"), py::arg("size") = py::none())
         .def_readonly("psi", &PointMass::psi, "Log size.")
         .def_readonly("mass", &PointMass::mass, "Share of the mass.")
+        .def_readonly("size", &PointMass::size, "The size itself, in the material's unit.")
         .def("__iter__", [](const PointMass& p) { return unpacked(py::make_tuple(p.psi, p.mass)); })
         .def(
             "__eq__", [](const PointMass& a, const PointMass& b) { return a == b; }, py::is_operator())
         .def("__repr__",
-             [](const PointMass& p) { return repr_of("PointMass", "psi", p.psi, "mass", p.mass); })
-        .def(py::pickle([](const PointMass& p) { return py::make_tuple(p.psi, p.mass); },
+             [](const PointMass& p) {
+                 return repr_of("PointMass", "psi", p.psi, "mass", p.mass, "size", p.size);
+             })
+        .def(py::pickle([](const PointMass& p) { return py::make_tuple(p.psi, p.mass, p.size); },
                         [](const py::tuple& t) {
-                            return PointMass{t[0].cast<double>(), t[1].cast<double>()};
+                            return PointMass{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>()};
                         }));
 
     const auto make_atom = [](double psi, double psibar, double mass) { return Atom{psi, psibar, mass}; };

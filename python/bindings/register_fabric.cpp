@@ -21,31 +21,34 @@ std::vector<Atom> atoms_from(const py::object& list) {
 }
 
 Fabric make_fabric(const LogGrid& grid, const py::object& probability, const py::object& atoms,
-                   std::optional<double> settled_at, const std::string& mean, std::vector<Ridge> ridges) {
+                   std::optional<double> settled_at, const std::string& mean, std::vector<Ridge> ridges,
+                   double largest) {
     const auto p = strict_array(probability, {grid.bins(), grid.bins()}, "probability");
     return {grid,
             std::vector<double>(p.data(), p.data() + p.size()),
             atoms_from(atoms),
             settled_at,
             choice_of<Mean>(mean),
-            std::move(ridges)};
+            std::move(ridges),
+            largest};
 }
 
-using Carried = std::tuple<py::array_t<double>, py::array_t<double>, std::vector<PointMass>>;
+using Carried = std::tuple<py::array_t<double>, py::array_t<double>, std::vector<PointMass>, double>;
 
 Carried carried_of(const Fabric& fabric) {
     const FabricParts& parts = fabric.parts();
-    return {copied(parts.rows), copied(parts.spread), parts.points};
+    return {copied(parts.rows), copied(parts.spread), parts.points, parts.largest};
 }
 
 Fabric with_carried(const Fabric& fabric, const py::object& rows, const py::object& spread,
-                    std::vector<PointMass> points) {
+                    std::vector<PointMass> points, double largest) {
     const auto r = strict_array(rows, {fabric.grid().bins()}, "rows");
     const auto s = strict_array(spread, {fabric.grid().bins()}, "spread");
     FabricParts parts = fabric.parts();
     parts.rows.assign(r.data(), r.data() + r.size());
     parts.spread.assign(s.data(), s.data() + s.size());
     parts.points = std::move(points);
+    parts.largest = largest;
     return Fabric::from_parts(std::move(parts));
 }
 
@@ -72,6 +75,8 @@ mean : {"arithmetic", "geometric"}
     How two neighbours make a neighbourhood grainsize (Eq. 48 or 65), for `remix`.
 ridges : sequence of Ridge
     Half-exact masses on top of both.
+largest : float
+    Size that no grain exceeds, where curves end; 0 where it is not known.
 
 Raises
 ------
@@ -89,7 +94,7 @@ array([0.0625, 0.0625])
 )doc")
         .def(py::init(&make_fabric), py::arg("grid"), py::arg("probability"), py::arg("atoms") = py::tuple(),
              py::kw_only(), py::arg("settled_at") = py::none(), py::arg("mean") = "arithmetic",
-             py::arg("ridges") = std::vector<Ridge>())
+             py::arg("ridges") = std::vector<Ridge>(), py::arg("largest") = 0.0)
         .def_property_readonly("grid", &Fabric::grid, "The LogGrid.")
         .def_property_readonly("settled_at", &Fabric::settled_at,
                                "Largest stress ratio under which this state is at rest; None: never loaded.")
@@ -109,6 +114,9 @@ array([0.0625, 0.0625])
         .def_property_readonly(
             "points", [](const Fabric& f) { return f.points(); },
             "List of PointMass, fine to coarse: the exact sizes in `grainsize`, where its cdf jumps.")
+        .def_property_readonly(
+            "largest", [](const Fabric& f) { return f.largest(); },
+            "Size that no grain exceeds, the largest of the start; 0 where it is not known.")
         .def(
             "grainsize",
             [](const Fabric& f) {
@@ -124,8 +132,9 @@ array([0.0625, 0.0625])
         .def("_carried", &carried_of,
              "Marginals as an engine or a mixing handed them on, for `_with_carried`: mass by grainsize in "
              "bins, the "
-             "same with the ridges that spread over psi, and exact sizes.")
+             "same with the ridges that spread over psi, exact sizes, and the largest size.")
         .def("_with_carried", &with_carried, py::arg("rows"), py::arg("spread"), py::arg("points"),
+             py::arg("largest") = 0.0,
              R"doc(The same fabric with the marginals that `_carried` gave.
 
 A fabric made again from its parts sums its marginals anew, which differs in the last bit from those that
@@ -168,10 +177,10 @@ Examples
             [](const py::tuple& t) {
                 const Fabric fabric =
                     make_fabric(t[0].cast<LogGrid>(), t[1], t[2], t[3].cast<std::optional<double>>(),
-                                t[4].cast<std::string>(), t[5].cast<std::vector<Ridge>>());
+                                t[4].cast<std::string>(), t[5].cast<std::vector<Ridge>>(), 0.0);
                 const auto marginals = t[6].cast<py::tuple>();
                 return with_carried(fabric, marginals[0], marginals[1],
-                                    marginals[2].cast<std::vector<PointMass>>());
+                                    marginals[2].cast<std::vector<PointMass>>(), marginals[3].cast<double>());
             }));
 
     m.def(

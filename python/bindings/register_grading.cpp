@@ -163,6 +163,9 @@ ParameterError
     Unless size > 0.
 )doc")
         .def_property_readonly("largest", &Grading::largest, "Largest size.")
+        .def_property_readonly(
+            "measured", [](const Grading& g) { return std::holds_alternative<SieveCurve>(g.law); },
+            "Whether it was measured: sieve data, not a law or exact sizes.")
         .def("smallest", &Grading::smallest, py::arg("tail") = 0.0,
              "Size below which a share `tail` of the mass lies; 0 if the finest tail has no end.")
         .def("percentile", py::vectorize(&Grading::percentile), py::arg("percent"), py::kw_only(),

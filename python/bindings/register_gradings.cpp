@@ -103,10 +103,10 @@ Examples
 )doc");
     m.def(
         "_curve_on_grid",
-        [](const LogGrid& grid, const py::object& cdf, const std::vector<PointMass>& points) {
+        [](const LogGrid& grid, const py::object& cdf, const std::vector<PointMass>& points, double largest) {
             const auto finer = strict_array(cdf, {grid.bins()}, "cdf");
             const CurvePoints curve =
-                curve_on_grid(grid, VectorView<const double>(finer.data(), finer.size()), points);
+                curve_on_grid(grid, VectorView<const double>(finer.data(), finer.size()), points, largest);
             return py::make_tuple(copied(curve.size), copied(curve.finer_than), curve.tail_slope);
         },
         "Points of a cdf on a grid, for `SizeCurve.on_grid`: sizes, fractions finer, slope of the tail.");
@@ -120,17 +120,17 @@ Examples
     m.def(
         "percentile",
         [](const LogGrid& grid, const py::object& cdf, double percent, bool extrapolate,
-           const std::vector<PointMass>& points) {
+           const std::vector<PointMass>& points, double largest) {
             const auto finer = strict_array(cdf, {grid.bins()}, "cdf");
             return percentile(grid, VectorView<const double>(finer.data(), finer.size()), percent,
-                              extrapolate, points);
+                              extrapolate, points, largest);
         },
         py::arg("grid"), py::arg("cdf"), py::arg("percent"), py::kw_only(), py::arg("extrapolate") = false,
-        py::arg("points") = std::vector<PointMass>(),
+        py::arg("points") = std::vector<PointMass>(), py::arg("largest") = 0.0,
         R"doc(Size D_x such that `percent` of the mass is finer.
 
-inf{d : F(d) >= percent / 100}, linear in ln d inside a bin; on a plateau this is its lower end, and D100 is the
-upper edge of the coarsest bin that holds mass, or an exact size where that is all it holds.
+inf{d : F(d) >= percent / 100}, linear in ln d inside a bin; on a plateau this is its lower end. D100 is the
+largest size where that lies in the coarsest bin that holds mass, else the upper edge of this bin.
 
 Parameters
 ----------
@@ -143,6 +143,8 @@ extrapolate : bool
     Continue a curve that ends in the fines bin as a power law through its two finest points.
 points : sequence of PointMass
     Exact sizes that are part of `cdf`, fine to coarse: it jumps there, inside their bin.
+largest : float
+    Size that no grain exceeds (`Fabric.largest`); 0 where it is not known.
 
 Returns
 -------

@@ -186,6 +186,7 @@ void add_lattice_methods(py::class_<Guarded<Model>>& lattice) {
                 return l.with([&](const Model& m) { return m.fitting_grid(max_stress_ratio); });
             },
             py::arg("max_stress_ratio"))
+        .def_property_readonly("points", reading<Model>([](const Model& m) { return m.points(); }))
         .def_property_readonly("psi", &psi<Model>)
         .def_property_readonly("crushes", &crushes<Model>)
         .def_property_readonly(

@@ -66,6 +66,8 @@ class Result(ResultData):
         For each load, the account of its engine: of the solve from the last kept fabric, or of the steps.
     recipe : Recipe or None
         Settings of the run, to resume it or run it again.
+    measured : SizeCurve or None
+        Sieve data of the start; the curve of a load bends at its sieves wherever no grain has crushed.
 
     Examples
     --------
@@ -224,6 +226,8 @@ class LatticeResult(Result, LatticeData):
         Standard error of `cdf` from the scatter of the replicas; NaN with a single one.
     crushes_error : ndarray (T,)
         Standard error of `crushes`.
+    start_points : tuple of PointMass
+        Mass at the exact sizes of the start, where these are few, fine to coarse.
 
     Examples
     --------

@@ -111,7 +111,7 @@ class Simulation:
         """Everything that is the same at all loads of a run up to a load; see `initial_fabric`."""
         fabric = self.initial_fabric(max_stress_ratio)
         if isinstance(self.start, Grading):
-            return Setup(self.material, fabric, self.scheme, self.start.unit, self.start.notes)
+            return Setup.mixed(self.material, self.start, fabric, self.scheme)
         return Setup(self.material, fabric, self.scheme)
 
     @suggests_keywords

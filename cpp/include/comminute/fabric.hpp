@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -20,12 +21,14 @@ enum class Mean {
     geometric,   ///< mean of the log sizes (Eq. 65)
 };
 
-/// Mass at one exact log size.
+/// Mass at one exact log size. The size itself stands beside its log, since exp(ln s) is often another number than s:
+/// curves jump at the size that the user gave.
 struct PointMass {
     double psi;
     double mass;
+    double size = std::exp(psi);  ///< in the material's unit
     friend bool operator==(const PointMass& a, const PointMass& b) {
-        return a.psi == b.psi && a.mass == b.mass;
+        return a.psi == b.psi && a.mass == b.mass && a.size == b.size;
     }
 };
 
@@ -70,6 +73,8 @@ struct FabricParts {
     std::vector<double> spread;  ///< (N) the same with the ridges that spread over psi
     std::vector<PointMass>
         points;  ///< mass at the exact sizes of atoms and of the other ridges, fine to coarse
+    /// Size that no grain of the start exceeds; 0 where it is not known, and the edges of the bins are all there is.
+    double largest = 0.0;
 };
 
 /// The grainsize fabric: shares of the mass by log grainsize psi and log neighbourhood grainsize psibar.
@@ -93,11 +98,12 @@ class COMMINUTE_API Fabric {
     /// @param atoms        exact masses on top of it, inside the grid and above its fines bin
     /// @param settled_at   largest stress ratio under which this state is at rest; none: never loaded
     /// @param ridges       half-exact masses on top of it
+    /// @param largest      size that no grain exceeds; 0 where it is not known
     /// @throws ShapeError for another size; ParameterError for a negative or non-finite entry (its place is given), a
     ///         total of all three other than 1 (to 1e-9), a place off the grid, or a bad stress ratio
     Fabric(const LogGrid& grid, std::vector<double> probability, std::vector<Atom> atoms = {},
            std::optional<double> settled_at = std::nullopt, Mean mean = Mean::arithmetic,
-           std::vector<Ridge> ridges = {});
+           std::vector<Ridge> ridges = {}, double largest = 0.0);
 
     const LogGrid& grid() const { return data_->grid; }
     Mean mean() const { return data_->mean; }
@@ -112,6 +118,9 @@ class COMMINUTE_API Fabric {
     VectorView<const double> grainsize() const { return data_->grainsize; }
     /// The exact sizes in that marginal, fine to coarse: where its cdf jumps.
     const std::vector<PointMass>& points() const { return data_->points; }
+    /// Size that no grain exceeds, the largest of the start: curves end there. 0 where it is not known, as in a fabric
+    /// made of bins alone.
+    double largest() const { return data_->largest; }
     /// (N) mass by neighbourhood grainsize, the marginal over psi.
     std::vector<double> neighbourhood() const;
     /// (N) mass fraction finer than the upper edge of each bin.
@@ -161,9 +170,11 @@ COMMINUTE_API std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorV
 /// Two exact sizes have an exact mean and make an atom; an exact size beside a bin makes a ridge.
 /// @param grainsize  (N) mass by bin, entries >= 0
 /// @param points     exact sizes on top of it, inside the grid; those in its fines bin join it
+/// @param largest    size that no grain exceeds; 0 where it is not known
 /// @throws ShapeError; ParameterError for a bad entry, a size above the grid, or a total other than 1 (to 1e-9)
 COMMINUTE_API Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize,
-                                  Mean mean = Mean::arithmetic, std::vector<PointMass> points = {});
+                                  Mean mean = Mean::arithmetic, std::vector<PointMass> points = {},
+                                  double largest = 0.0);
 
 /// The same grains, mixed anew; forgets the load, since grains meet new neighbours. Exact sizes stay exact.
 COMMINUTE_API Fabric remix(const Fabric& fabric);

@@ -105,9 +105,11 @@ struct COMMINUTE_API CurvePoints {
 /// continues as a power law through the two finest edges.
 /// @param cdf     (N) fraction finer than the upper edge of each bin, points among them
 /// @param points  exact sizes, fine to coarse: the curve jumps there, inside their bins
+/// @param largest size that no grain exceeds: where it lies inside the bin in which the curve reaches its end, the mass of
+///                that bin is spread up to there; 0 where it is not known
 /// @throws ShapeError, and ParameterError for a cdf that falls (by more than 1e-12) or is not finite
 COMMINUTE_API CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
-                                        const std::vector<PointMass>& points = {});
+                                        const std::vector<PointMass>& points = {}, double largest = 0.0);
 
 /// How the numbers of a sieve table are meant.
 struct SieveOptions {
@@ -235,9 +237,11 @@ COMMINUTE_API LogGrid fitting_grid(const Grading& grading, const Material& mater
 /// @param percent  in [0, 100]
 /// @param extrapolate  continue a curve that ends in the fines bin as a power law through its two finest points
 /// @param points   exact sizes that are part of `cdf`, fine to coarse: it jumps there, inside their bin
+/// @param largest  size that no grain exceeds; 0 where it is not known
 /// @throws ParameterError if D_x lies in the fines bin, where no size is known, or above the top; for a cdf that falls (by
 /// more than 1e-12) or is not finite
 COMMINUTE_API double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent,
-                                bool extrapolate = false, const std::vector<PointMass>& points = {});
+                                bool extrapolate = false, const std::vector<PointMass>& points = {},
+                                double largest = 0.0);
 
 }  // namespace comminute

@@ -116,6 +116,10 @@ class COMMINUTE_API LatticeState {
     /// Joint histogram of psi and psibar over all replicas on the continuum's own grid. @throws as grainsizes()
     Fabric fabric(const LogGrid& grid) const;
 
+    /// Mass of the cells that have never crushed, by size, mean over replicas, fine to coarse; empty where the start has
+    /// more than 16 sizes. In a packing of a few sizes these are the jumps of its cdf.
+    std::vector<PointMass> points() const;
+
     /// Grid that fits the cells as they are and the loads to come: fitting_grid() of sizes spread evenly in ln s between
     /// the finest and the coarsest cell.
     /// @param max_stress_ratio  largest load to come, >= 0 and finite
@@ -148,11 +152,15 @@ class COMMINUTE_API LatticeState {
                        const std::function<bool()>& go_on);
 
   private:
+    void note_sizes(const std::vector<double>& exact);
     bool come_to_rest(const std::function<bool()>& go_on);
 
     Material material_;
     LatticeOptions options_;
     std::vector<LatticeRing> rings_;
+    std::vector<PointMass>
+        exact_;  // sizes of the start, where they are few: ln(size / reference_size), no mass, size
+    double largest_ = 0.0;  // of the start
 };
 
 /// The quasi-static lattice: the load rises to the smallest critical stress ratio, that cell crushes, and the

@@ -85,6 +85,8 @@ Array<double> checked_rows(const std::vector<double>& probability, Index bins) {
 FabricParts checked(FabricParts parts) {
     const Index bins = parts.grid.bins();
     if (parts.settled_at) require_stress_ratio(*parts.settled_at);
+    require(parts.largest >= 0.0 && std::isfinite(parts.largest), "largest", parts.largest,
+            "a size, or 0 where it is not known");
     Array<double> rows = checked_rows(parts.probability, bins);
     double total = std::accumulate(rows.begin(), rows.end(), 0.0);
     total += checked_total(parts.grid, parts.atoms) + checked_total(parts.grid, parts.ridges);
@@ -127,6 +129,7 @@ void require_marginals_of(const FabricParts& stored, const FabricParts& own) {
         require_close(stored.spread[i], own.spread[i], "spread", i, "spread");
     }
     for (std::size_t a = 0; a < own.points.size(); ++a) {
+        require_close(std::log(stored.points[a].size), own.points[a].psi, "points", a, "size");
         require_close(stored.points[a].psi, own.points[a].psi, "points", a, "psi");
         require_close(stored.points[a].mass, own.points[a].mass, "points", a, "mass");
     }
@@ -135,7 +138,7 @@ void require_marginals_of(const FabricParts& stored, const FabricParts& own) {
 }  // namespace
 
 Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::vector<Atom> atoms,
-               std::optional<double> settled_at, Mean mean, std::vector<Ridge> ridges)
+               std::optional<double> settled_at, Mean mean, std::vector<Ridge> ridges, double largest)
     : Fabric(FabricAccess::make(checked({grid,
                                          std::move(probability),
                                          std::move(atoms),
@@ -144,7 +147,8 @@ Fabric::Fabric(const LogGrid& grid, std::vector<double> probability, std::vector
                                          mean,
                                          {},
                                          {},
-                                         {}}))) {}
+                                         {},
+                                         largest}))) {}
 
 Fabric Fabric::from_parts(FabricParts parts) {
     FabricParts stored{parts.grid,
@@ -155,7 +159,8 @@ Fabric Fabric::from_parts(FabricParts parts) {
                        parts.mean,
                        std::move(parts.rows),
                        std::move(parts.spread),
-                       std::move(parts.points)};
+                       std::move(parts.points),
+                       0.0};
     FabricParts whole = checked(std::move(parts));
     require_marginals_of(stored, whole);
     whole.rows = std::move(stored.rows);
@@ -205,14 +210,15 @@ Fabric Fabric::binned() const {
         }
     }
     const std::vector<double>& marginal = data_->grainsize;
-    return FabricAccess::make({grid(), std::move(p), {}, {}, std::nullopt, mean(), marginal, marginal, {}});
+    return FabricAccess::make(
+        {grid(), std::move(p), {}, {}, std::nullopt, mean(), marginal, marginal, {}, largest()});
 }
 
 bool operator==(const Fabric& a, const Fabric& b) {
     return a.data_ == b.data_ ||
            (a.grid() == b.grid() && a.mean() == b.mean() && a.settled_at() == b.settled_at() &&
             a.data_->probability == b.data_->probability && a.atoms() == b.atoms() &&
-            a.ridges() == b.ridges());
+            a.ridges() == b.ridges() && a.largest() == b.largest());
 }
 
 }  // namespace comminute

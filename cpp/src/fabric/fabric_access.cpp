@@ -25,6 +25,15 @@ std::vector<PointMass> exact_sizes(const std::vector<Atom>& atoms, const std::ve
     return merged;
 }
 
+std::vector<PointMass> with_sizes(std::vector<PointMass> points, const std::vector<PointMass>& named) {
+    for (PointMass& point : points) {
+        const auto same = std::find_if(named.begin(), named.end(),
+                                       [&](const PointMass& other) { return other.psi == point.psi; });
+        if (same != named.end()) point.size = same->size;
+    }
+    return points;
+}
+
 std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread,
                                 const std::vector<PointMass>& points) {
     const VectorView<double> in_bins(spread);

@@ -14,6 +14,9 @@ class FabricAccess {
 /// The exact sizes among atoms and ridges, each once, fine to coarse.
 std::vector<PointMass> exact_sizes(const std::vector<Atom>& atoms, const std::vector<Ridge>& ridges);
 
+/// The same points, each with the size that `named` has beside the same log size.
+std::vector<PointMass> with_sizes(std::vector<PointMass> points, const std::vector<PointMass>& named);
+
 /// (N) `spread` with every point in the bin that holds it.
 std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread,
                                 const std::vector<PointMass>& points);

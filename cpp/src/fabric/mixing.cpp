@@ -95,7 +95,7 @@ std::vector<PointMass> resolved(const LogGrid& grid, const std::vector<PointMass
             as_atoms.push_back({point.psi, point.psi, point.mass});
         }
     }
-    return exact_sizes(as_atoms, {});
+    return with_sizes(exact_sizes(as_atoms, {}), points);
 }
 
 }  // namespace
@@ -117,7 +117,7 @@ std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const doub
 }
 
 Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mean,
-                    std::vector<PointMass> points) {
+                    std::vector<PointMass> points, double largest) {
     const Index bins = grid.bins();
     double total = 0.0;
     for (std::size_t i = 0; i < grainsize.size(); ++i) {
@@ -130,6 +130,8 @@ Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mea
         total += points[a].mass;
     }
     require_whole(total, points.empty() ? "grainsize" : "grainsize with its points");
+    require(largest >= 0.0 && std::isfinite(largest), "largest", largest,
+            "a size, or 0 where it is not known");
     std::vector<double> neighbours = neighbourhood_pmf(grid, grainsize, mean);
     if (!points.empty()) {
         points = resolved(grid, points, grainsize);
@@ -151,8 +153,8 @@ Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mea
     Array<double> rows(bins);
     Line(rows.data(), bins) =
         points.empty() ? Eigen::ArrayXd(grains) : Eigen::ArrayXd(in_bins.sum() * grains);
-    FabricParts parts{grid, std::move(probability).vector(), {},        {},    std::nullopt,
-                      mean, std::move(rows).vector(),        grainsize, points};
+    FabricParts parts{grid, std::move(probability).vector(), {},        {},     std::nullopt,
+                      mean, std::move(rows).vector(),        grainsize, points, largest};
     const auto add_ridge = [&](Axis exact, double at, const ConstLine& others, double share) {
         if ((others == 0.0).all()) return;
         Array<double> mass(bins);
@@ -175,7 +177,8 @@ Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mea
 
 // The marginals are handed on, not summed anew: remixing a mixed fabric gives the same bits.
 Fabric remix(const Fabric& fabric) {
-    return mixed_fabric(fabric.grid(), fabric.parts().spread, fabric.mean(), fabric.points());
+    return mixed_fabric(fabric.grid(), fabric.parts().spread, fabric.mean(), fabric.points(),
+                        fabric.largest());
 }
 
 }  // namespace comminute

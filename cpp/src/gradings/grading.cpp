@@ -152,13 +152,15 @@ Grading rosin_rammler(double d63, double exponent, std::optional<double> largest
 Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean, PointHandling points) {
     std::vector<double> pmf = grading.on_grid(grid);
     const auto* sizes = std::get_if<PointMasses>(&grading.law);
-    if (sizes == nullptr || points == PointHandling::binned) return mixed_fabric(grid, std::move(pmf), mean);
+    if (sizes == nullptr || points == PointHandling::binned)
+        return mixed_fabric(grid, std::move(pmf), mean, {}, grading.largest());
     std::vector<PointMass> exact;
     for (std::size_t q = 0; q < sizes->size.size(); ++q) {
-        exact.push_back({std::min(std::log(sizes->size[q]), grid.edge(grid.bins())), sizes->share[q]});
+        const double psi = std::min(std::log(sizes->size[q]), grid.edge(grid.bins()));
+        exact.push_back({psi, sizes->share[q], sizes->size[q]});
     }
     std::fill(pmf.begin(), pmf.end(), 0.0);
-    return mixed_fabric(grid, std::move(pmf), mean, std::move(exact));
+    return mixed_fabric(grid, std::move(pmf), mean, std::move(exact), grading.largest());
 }
 
 }  // namespace comminute

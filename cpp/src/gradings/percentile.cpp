@@ -46,32 +46,43 @@ double tail_slope(const LogGrid& grid, VectorView<const double> cdf) {
 }  // namespace
 
 CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
-                          const std::vector<PointMass>& points) {
+                          const std::vector<PointMass>& points, double largest) {
     require_bins(cdf.size(), grid.bins(), entry("cdf"));
     require_rising(cdf);
+    require(largest >= 0.0 && std::isfinite(largest), "largest", largest,
+            "a size, or 0 where it is not known");
     CurvePoints curve;
     curve.tail_slope = tail_slope(grid, cdf);
-    const auto add = [&curve](double psi, double finer) {
+    const auto add = [&curve](double size, double finer) {
         if (!curve.finer_than.empty()) finer = std::max(finer, curve.finer_than.back());
-        curve.size.push_back(std::exp(psi));
+        curve.size.push_back(size);
         curve.finer_than.push_back(finer);
     };
     const double whole = cdf[cdf.size() - 1] - share_rounding;
+    const double top = largest > 0.0 ? std::log(largest) : 0.0;
+    const double rounding = 1e-9 * grid.spacing();  // in which a size lies on an edge
     auto point = points.begin();
     for (Index i = 0; i < grid.bins(); ++i) {
+        const double low = grid.edge(i);
+        const double edge = grid.edge(i + 1);
+        // grains of the coarsest bin are spread up to the largest of them, not to the bin's edge
+        const bool ends_inside =
+            largest > 0.0 && cdf[i] >= whole && top > low + rounding && top <= edge + rounding;
+        const double high = ends_inside ? std::min(top, edge) : edge;
         const double before = i > 0 ? cdf[i - 1] : 0.0;
         double spread = cdf[i] - before;
         const auto first = point;
         for (; point != points.end() && grid.bin_of(point->psi) == i; ++point) spread -= point->mass;
         double exact = 0.0;  // mass of the finer exact sizes in the bin
         for (auto jump = first; jump != point; ++jump) {
-            const double below = before + spread * (jump->psi - grid.edge(i)) / grid.spacing() + exact;
+            const double share = std::min((jump->psi - low) / (high - low), 1.0);
+            const double below = before + spread * share + exact;
             exact += jump->mass;
-            add(jump->psi, below);
-            add(jump->psi, below + jump->mass);
+            add(jump->size, below);
+            add(jump->size, below + jump->mass);
             if (curve.finer_than.back() >= whole) return curve;
         }
-        add(grid.edge(i + 1), cdf[i]);
+        add(ends_inside ? largest : std::exp(edge), cdf[i]);
         if (cdf[i] >= whole) return curve;
     }
     return curve;
@@ -123,7 +134,7 @@ CurvePoints Grading::points(Index count) const {
 }
 
 double percentile(const LogGrid& grid, VectorView<const double> cdf, double percent, bool extrapolate,
-                  const std::vector<PointMass>& points) {
+                  const std::vector<PointMass>& points, double largest) {
     require(percent >= 0.0 && percent <= 100.0, "percent", percent, "between 0 and 100");
     require_bins(cdf.size(), grid.bins(), entry("cdf"));
     require_rising(cdf);
@@ -136,7 +147,7 @@ double percentile(const LogGrid& grid, VectorView<const double> cdf, double perc
             percent, "lies above the largest size: only " + all + " % are finer", Remedy::none));
     }
     if (bin == cdf.begin()) {
-        const CurvePoints curve = curve_on_grid(grid, cdf, points);
+        const CurvePoints curve = curve_on_grid(grid, cdf, points, largest);
         if (extrapolate && finer > 0.0 && curve.tail_slope > 0.0) return curve.quantile(finer);
         throw ParameterError(percentile_fault(percent,
                                               "lies in the fines bin, which holds " +
@@ -144,7 +155,7 @@ double percentile(const LogGrid& grid, VectorView<const double> cdf, double perc
                                                   rounded(std::exp(grid.edge(1))),
                                               extrapolate ? Remedy::lower_psi_min : Remedy::resolve_fines));
     }
-    return curve_on_grid(grid, cdf, points).quantile(finer);
+    return curve_on_grid(grid, cdf, points, largest).quantile(finer);
 }
 
 }  // namespace comminute

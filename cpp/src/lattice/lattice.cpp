@@ -32,6 +32,22 @@ void require_cells(Index cells) {
             "at least 2 (a ring) and less than 2^32 - 1");
 }
 
+/// The different numbers among many, as long as they are few.
+class FewSizes {
+  public:
+    void add(double size) {
+        if (sizes_.size() > most) return;
+        const auto place = std::lower_bound(sizes_.begin(), sizes_.end(), size);
+        if (place == sizes_.end() || *place != size) sizes_.insert(place, size);
+    }
+    /// Ascending; none where there are more than 16.
+    std::vector<double> found() const { return sizes_.size() > most ? std::vector<double>{} : sizes_; }
+
+  private:
+    static constexpr std::size_t most = 16;
+    std::vector<double> sizes_;
+};
+
 double relative_psi(double size, double reference_size) {
     const double psi = std::log(size / reference_size);
     if (std::abs(psi) <= largest_log_ratio) return psi;
@@ -86,6 +102,7 @@ LatticeState::LatticeState(Index cells, Material material, const Grading& gradin
             }
         },
         {});
+    note_sizes(points != nullptr ? points->size : std::vector<double>{});
 }
 
 LatticeState::LatticeState(VectorView<const double> sizes, Material material, const LatticeOptions& options)
@@ -108,6 +125,9 @@ LatticeState::LatticeState(VectorView<const double> sizes, Material material, co
             rings_.back().cells[c] = LatticeCell::of(psi);
         }
     }
+    FewSizes few;
+    for (const double size : sizes) few.add(size);
+    note_sizes(few.found());
 }
 
 LatticeState::LatticeState(std::vector<LatticeRing> rings, Material material, const LatticeOptions& options)
@@ -124,6 +144,26 @@ LatticeState::LatticeState(std::vector<LatticeRing> rings, Material material, co
                               .finding = "differ in length",
                               .rule = "all must have the same number of cells and of crush counts"});
         }
+    }
+    FewSizes sizes;
+    for (const auto& ring : rings_) {
+        for (std::size_t c = 0; c < ring.cells.size(); ++c) {
+            if (ring.crushes[c] == 0) sizes.add(material_.reference_size * std::exp(ring.cells[c].psi));
+        }
+    }
+    note_sizes(sizes.found());
+}
+
+void LatticeState::note_sizes(const std::vector<double>& exact) {
+    double top = -largest_log_ratio;
+    for (const auto& ring : rings_) {
+        for (const auto& cell : ring.cells) top = std::max(top, cell.psi);
+    }
+    largest_ = material_.reference_size * std::exp(top);
+    for (const double size : exact) {
+        const double psi = relative_psi(size, material_.reference_size);
+        exact_.push_back({psi, 0.0, size});
+        if (psi == top) largest_ = size;
     }
 }
 

@@ -99,7 +99,26 @@ Fabric LatticeState::fabric(const LogGrid& grid) const {
     }
     const double share = 1.0 / (static_cast<double>(cells()) * static_cast<double>(replicas()));
     for (double& mass : p) mass *= share;
-    return {grid, std::move(p), {}, settled_at(), options_.mean};
+    return {grid, std::move(p), {}, settled_at(), options_.mean, {}, largest_};
+}
+
+std::vector<PointMass> LatticeState::points() const {
+    std::vector<std::uint64_t> count(exact_.size(), 0);
+    for (const auto& ring : rings_) {
+        for (std::size_t c = 0; !exact_.empty() && c < ring.cells.size(); ++c) {
+            if (ring.crushes[c] > 0) continue;
+            for (std::size_t q = 0; q < exact_.size(); ++q) count[q] += exact_[q].psi == ring.cells[c].psi;
+        }
+    }
+    const double share = 1.0 / (static_cast<double>(cells()) * static_cast<double>(replicas()));
+    std::vector<PointMass> left;
+    for (std::size_t q = 0; q < exact_.size(); ++q) {
+        if (count[q] == 0) continue;
+        // the log of the size as its bin was found
+        const double psi = exact_[q].psi + std::log(material_.reference_size);
+        left.push_back({psi, share * static_cast<double>(count[q]), exact_[q].size});
+    }
+    return left;
 }
 
 LogGrid LatticeState::fitting_grid(double max_stress_ratio, const GridOptions& options) const {

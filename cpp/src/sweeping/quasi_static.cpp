@@ -141,12 +141,12 @@ struct QuasiStatic::Work {
         report.crushed_neighbour += points.crushed_neighbour();
 
         FabricParts parts{grid, {}, points.atoms(), points.ridges(), stress_ratio, state.mean(), rows,
-                          rows, {}};
+                          rows, {}, state.largest()};
         for (const Ridge& ridge : parts.ridges) {
             if (ridge.exact != Axis::neighbour) continue;
             Line(parts.spread.data(), grid.bins()) += ConstLine(ridge.mass.data(), grid.bins());
         }
-        parts.points = exact_sizes(parts.atoms, parts.ridges);
+        parts.points = with_sizes(exact_sizes(parts.atoms, parts.ridges), state.points());
         return parts;
     }
 

@@ -155,7 +155,7 @@ def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Outcome, Resul
     )
     if earlier is None:
         start = case.simulation().initial_fabric(float(path.stress_ratio.max()))
-        setup = Setup(case.material, start, engine.scheme, case.grading.unit, case.grading.notes)
+        setup = Setup.mixed(case.material, case.grading, start, engine.scheme)
     else:
         setup = setup_of(earlier)
     return continuum_run(Result, setup, path, recipe, wanted=_wanted(case), keep_latest=True, earlier=earlier)

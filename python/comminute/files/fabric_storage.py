@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -11,6 +11,12 @@ import numpy.typing as npt
 from comminute._core import Atom, Fabric, LogGrid, PointMass, Ridge
 
 START = -1  # load index under which the start is stored
+POINT_NAMES = {
+    "load": "load index, -1 for the start,",
+    "psi": "exact log grainsize",
+    "mass": "mass fraction",
+    "size": "exact grainsize",
+}
 AXES: tuple[Literal["grain", "neighbour"], ...] = ("grain", "neighbour")
 
 Arrays = dict[str, npt.NDArray[Any]]
@@ -32,6 +38,20 @@ def rows_of(values: Arrays, what: str, names: Sequence[str]) -> Iterator[tuple[f
     if f"{what}_{names[0]}" in values:
         for row in zip(*(values[f"{what}_{name}"] for name in names), strict=True):
             yield tuple(float(x) for x in row)
+
+
+def point_rows(points: Mapping[int, Sequence[PointMass]]) -> list[list[float]]:
+    """Rows of exact sizes by load, for `columns` with POINT_NAMES."""
+    return [[k, point.psi, point.mass, point.size] for k, exact in points.items() for point in exact]
+
+
+def points_of(values: Arrays, what: str, loads: Iterable[int]) -> dict[int, list[PointMass]]:
+    """Exact sizes by load of a table of `point_rows`; the first files have no column of sizes."""
+    points: dict[int, list[PointMass]] = {k: [] for k in loads}
+    known = [name for name in POINT_NAMES if f"{what}_{name}" in values]
+    for load, psi, mass, *size in rows_of(values, what, known or list(POINT_NAMES)):
+        points[int(load)].append(PointMass(psi, mass, *size))
+    return points
 
 
 def fabric_variables(fabrics: dict[int, Fabric]) -> dict[str, Any]:
@@ -57,9 +77,8 @@ def fabric_variables(fabrics: dict[int, Fabric]) -> dict[str, Any]:
         found[f"start_{name}"] = ("psi", marginals[START][name], about)
         if kept:
             found[f"carried_{name}"] = (("fabric_load", "psi"), np.stack([marginals[k][name] for k in kept]), about)
-    points = [[k, *point] for k, fabric in fabrics.items() for point in fabric._carried()[2]]
-    names = {"load": "load index, -1 for the start,", "psi": "exact log grainsize", "mass": "mass fraction"}
-    return found | columns("carried_point", points, names)
+    points = {k: fabric._carried()[2] for k, fabric in fabrics.items()}
+    return found | columns("carried_point", point_rows(points), POINT_NAMES)
 
 
 def _exact_variables(fabrics: dict[int, Fabric]) -> dict[str, Any]:
@@ -78,11 +97,16 @@ def _exact_variables(fabrics: dict[int, Fabric]) -> dict[str, Any]:
 
 
 def fabrics_of(
-    values: Arrays, grid: LogGrid, mean: Literal["arithmetic", "geometric"], settled_at: dict[int, float]
+    values: Arrays,
+    grid: LogGrid,
+    mean: Literal["arithmetic", "geometric"],
+    settled_at: dict[int, float],
+    largest: float,
 ) -> dict[int, Fabric]:
     """Fabrics of the variables that `fabric_variables` made, by load; START is the start.
 
-    `settled_at` has, for each fabric, the load at which it is at rest; NaN for none.
+    `settled_at` has, for each fabric, the load at which it is at rest; NaN for none. `largest` is the size that no
+    grain exceeds.
     """
     atoms: dict[int, list[Atom]] = {k: [] for k in settled_at}
     for load, psi, psibar, mass in rows_of(values, "atom", ("load", "psi", "psibar", "mass")):
@@ -91,9 +115,7 @@ def fabrics_of(
     for row, (load, exact, at, above) in enumerate(rows_of(values, "ridge", ("load", "exact", "at", "above"))):
         line = np.ascontiguousarray(values["ridge_mass"][row])
         ridges[int(load)].append(Ridge(AXES[int(exact)], at, line, above))
-    points: dict[int, list[PointMass]] = {k: [] for k in settled_at}
-    for load, psi, mass in rows_of(values, "carried_point", ("load", "psi", "mass")):
-        points[int(load)].append(PointMass(psi, mass))
+    points = points_of(values, "carried_point", settled_at)
     rows = {int(load): row for row, load in enumerate(values.get("fabric_load", ()))}
     found = {}
     for load, at in settled_at.items():
@@ -103,5 +125,5 @@ def fabrics_of(
         }
         rest = None if np.isnan(at) else at
         fabric = Fabric(grid, of["fabric"], atoms[load], settled_at=rest, mean=mean, ridges=ridges[load])
-        found[load] = fabric._with_carried(of["rows"], of["spread"], points[load])
+        found[load] = fabric._with_carried(of["rows"], of["spread"], points[load], largest)
     return found

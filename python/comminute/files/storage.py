@@ -11,8 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from comminute._core import Fabric, LogGrid, PointMass, __version__
-from comminute.files.fabric_storage import START, columns, fabric_variables, fabrics_of, rows_of
+from comminute._core import Fabric, LogGrid, __version__
+from comminute.files.fabric_storage import (
+    POINT_NAMES,
+    START,
+    columns,
+    fabric_variables,
+    fabrics_of,
+    point_rows,
+    points_of,
+)
+from comminute.gradings.curves import SizeCurve
 from comminute.runs.recipe import Recipe, grid_record, material_of, material_record, report_of, report_record
 from comminute.runs.results import LatticeData, ResultData
 from comminute.util.errors import wrong_file
@@ -63,11 +72,15 @@ def to_dataset(result: ResultData) -> Any:
     variables: dict[str, Any] = {
         name: (dims, getattr(result, name), {"long_name": text, "units": "1"}) for name, (dims, text) in names.items()
     }
-    points = [[k, *point] for k, exact in enumerate(result.points) for point in exact]
-    variables |= columns("point", points, {"load": "load index", "psi": "exact log grainsize", "mass": "mass fraction"})
+    points = dict(enumerate(result.points))
+    variables |= columns("point", point_rows(points), POINT_NAMES)
     if isinstance(result, LatticeData):
         variables["cdf_error"] = (("load", "psi"), result.cdf_error, {"long_name": "standard error of cdf"})
+        variables |= columns("start_point", point_rows({START: result.start_points}), POINT_NAMES)
         variables["crushes_error"] = ("load", result.crushes_error, {"long_name": "standard error of crushes"})
+    if result.measured is not None:
+        rows = np.stack([result.measured.size, result.measured.finer], axis=1)
+        variables |= columns("sieve", rows.tolist(), {"size": "opening", "finer": "mass fraction finer"})
     kept = [k for k, fabric in enumerate(result.fabrics) if fabric is not None]
     variables |= fabric_variables({START: result.start} | {k: result.fabric(k) for k in kept})
     if kept:
@@ -88,6 +101,8 @@ def _attributes(result: ResultData) -> dict[str, Any]:
         "scheme": result.scheme,
         "unit": result.unit,
         "mean": result.start.mean,
+        "largest": result.start.largest,
+        "sieve_tail_slope": 0.0 if result.measured is None else result.measured.tail_slope,
         "start_settled_at": json.dumps(result.start.settled_at),
         "material": json.dumps(material_record(result.material)),
         "grid": json.dumps(grid_record(result.grid)),
@@ -225,14 +240,18 @@ def _result(data: Any) -> ResultData:
     loads = [int(load) for load in values.get("fabric_load", ())]
     settled = dict(zip(loads, (float(at) for at in values.get("settled_at", ())), strict=True))
     settled[START] = json.loads(texts["start_settled_at"]) if texts["start_settled_at"] != "null" else np.nan
-    made = fabrics_of(values, grid, mean, settled)
+    largest = float(texts.get("largest", 0.0))  # missing in the first files
+    made = fabrics_of(values, grid, mean, settled, largest)
     fabrics: list[Fabric | None] = [made.get(k) for k in range(values["stress_ratio"].size)]
-    points: list[list[PointMass]] = [[] for _ in fabrics]
-    for load, psi, mass in rows_of(values, "point", ("load", "psi", "mass")):
-        points[int(load)].append(PointMass(psi, mass))
+    points = points_of(values, "point", range(len(fabrics)))
+    measured = None
+    if "sieve_size" in values:
+        slope = float(texts["sieve_tail_slope"])
+        measured = SizeCurve(values["sieve_size"], values["sieve_finer"], texts["unit"], slope)
     rings: dict[str, Any] = json.loads(texts.get("lattice", "{}"))  # missing in the first files
     if rings:
         rings |= {name: values[name] for name in ("cdf_error", "crushes_error")}
+        rings["start_points"] = tuple(points_of(values, "start_point", [START])[START])
     made_again: ResultData = (partial(LatticeData, **rings) if rings else ResultData)(
         material=material_of(json.loads(texts["material"])),
         grid=grid,
@@ -248,8 +267,9 @@ def _result(data: Any) -> ResultData:
         notes=tuple(json.loads(texts["notes"])),
         warnings=tuple(json.loads(texts["warnings"])),
         fabrics=tuple(fabrics),
-        points=tuple(tuple(exact) for exact in points),
+        points=tuple(tuple(points[k]) for k in range(len(fabrics))),
         reports=tuple(report_of(record) for record in json.loads(texts["reports"])),
         recipe=Recipe.from_json(texts["recipe"]) if texts["recipe"] else None,
+        measured=measured,
     )
     return made_again

@@ -103,7 +103,9 @@ class SizeCurve:
         return cls(size, finer, grading.unit, tail_slope)
 
     @classmethod
-    def on_grid(cls, grid: LogGrid, cdf: Floats, unit: str = "", points: Sequence[PointMass] = ()) -> SizeCurve:
+    def on_grid(
+        cls, grid: LogGrid, cdf: Floats, unit: str = "", points: Sequence[PointMass] = (), largest: float = 0.0
+    ) -> SizeCurve:
         """Curve of a cdf at the upper edges of a grid's bins.
 
         The share in the fines bin continues as a power law through the two finest edges.
@@ -117,6 +119,9 @@ class SizeCurve:
             Unit of the sizes.
         points : sequence of PointMass
             Exact sizes that are part of `cdf`, fine to coarse: the curve jumps there, inside their bins.
+        largest : float
+            Size that no grain exceeds: the curve ends there where it lies in the coarsest bin that holds mass; 0 where
+            it is not known.
 
         Returns
         -------
@@ -135,7 +140,7 @@ class SizeCurve:
             raise parameter_error("cdf", float(cdf[k + 1]), "a cdf cannot fall", finding=finding, place=place)
         if not abs(cdf[-1] - 1.0) <= ENDS_AT_ONE:
             raise parameter_error("cdf", float(cdf[-1]), "it must be 1", subject="the last cdf")
-        size, finer, tail_slope = _curve_on_grid(grid, np.ascontiguousarray(cdf), points)
+        size, finer, tail_slope = _curve_on_grid(grid, np.ascontiguousarray(cdf), points, largest)
         return cls(size, np.append(finer[:-1], 1.0), unit, tail_slope)
 
     def __eq__(self, other: object) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Fabric, LogGrid, Material
+from comminute._core import Fabric, LogGrid, Material, PointMass
 from comminute._core import Lattice as CoreLattice
 from comminute._core import TimeSteppedLattice as CoreTimeSteppedLattice
 from comminute.lattice.statistics import mean_and_error
@@ -46,6 +46,14 @@ class Rings:
     def remix(self) -> None:
         """Shuffle the cells of every ring; forgets the load, since grains meet new neighbours."""
         self._core.remix()
+
+    @property
+    def points(self) -> tuple[PointMass, ...]:
+        """Mass of the cells that have never crushed, by size, mean over replicas, fine to coarse.
+
+        Empty where the start has more than 16 sizes. In a packing of a few sizes these are the jumps of its cdf.
+        """
+        return tuple(self._core.points)
 
     @property
     def psi(self) -> Floats:

@@ -54,6 +54,7 @@ class LatticeWalker:
             grainsize=grainsize,
             crushed=crushed,
             mass_error=float(grainsize.sum() - 1.0),
+            points=self._rings.points,
             fabric=self._rings.fabric(self._grid) if with_fabric else None,
             cdf_error=mean_and_error(np.cumsum(sizes, axis=1))[1],
             crushed_error=crushed_error,
@@ -92,7 +93,7 @@ def lattice_run(
     ParameterError
         If a cell is larger than the grid's last edge.
     """
-    start = rings.fabric(grid)
+    start, start_points = rings.fabric(grid), rings.points
 
     def result_of(outcomes: Sequence[LatticeOutcome]) -> R:
         return make(
@@ -105,6 +106,7 @@ def lattice_run(
             cells=rings.cells,
             replicas=rings.replicas,
             seed=rings.seed,
+            start_points=start_points,
             cdf_error=np.array([outcome.cdf_error for outcome in outcomes]),
             crushes_error=np.array([outcome.crushed_error for outcome in outcomes]),
             **rows(path, outcomes),

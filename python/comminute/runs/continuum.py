@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from comminute._core import Fabric, Material, remix
+from comminute._core import Fabric, Grading, Material, remix
+from comminute.gradings.curves import SizeCurve
 from comminute.runs.load_path import LoadPath
 from comminute.runs.outcomes import Outcome, outcomes_of, rows
 from comminute.runs.path_run import PathRun
@@ -35,6 +36,8 @@ class Setup:
         Unit of the sizes; empty where they are relative.
     notes : tuple of str
         Assumptions made about the start, to stand first in the notes of the result.
+    measured : SizeCurve, optional
+        Sieve data that the start was made of.
     """
 
     material: Material
@@ -42,6 +45,13 @@ class Setup:
     scheme: Scheme
     unit: str = ""
     notes: tuple[str, ...] = ()
+    measured: SizeCurve | None = None
+
+    @classmethod
+    def mixed(cls, material: Material, grading: Grading, start: Fabric, scheme: Scheme) -> Setup:
+        """Give the setup of a run from a grading, which `start` is made of."""
+        measured = SizeCurve.of(grading) if grading.measured else None
+        return cls(material, start, scheme, grading.unit, grading.notes, measured)
 
 
 def setup_of(result: ResultData) -> Setup:
@@ -49,7 +59,7 @@ def setup_of(result: ResultData) -> Setup:
     said_of_loads = explained(result.stress_ratio, result.crushes)
     notes = tuple(note for note in result.notes if note not in said_of_loads)
     scheme: Scheme = result.scheme  # type: ignore[assignment]
-    return Setup(result.material, result.start, scheme, result.unit, notes)
+    return Setup(result.material, result.start, scheme, result.unit, notes, result.measured)
 
 
 def recipe_of(result: ResultData) -> Recipe:
@@ -127,6 +137,7 @@ def continuum_run(
             notes=(*setup.notes, *explained(ratios, crushes)),
             warnings=tuple(warnings),
             recipe=recipe.of_first(len(outcomes)),
+            measured=setup.measured,
             **fields,
         )
 

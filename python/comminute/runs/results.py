@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -41,6 +42,7 @@ class ResultData:
     points: tuple[tuple[PointMass, ...], ...] = field(default=())
     reports: tuple[Report, ...] = field(default=())
     recipe: Recipe | None = None
+    measured: SizeCurve | None = None
 
     @property
     def psi(self) -> Floats:
@@ -70,9 +72,9 @@ class ResultData:
     def percentile(self, percent: float, *, extrapolate: bool = False) -> Floats:
         """Size D_x after each load, such that `percent` of the mass is finer; see `comminute.percentile`.
 
-        Mass in a bin is even in ln d between its edges, so D100 is the upper edge of the coarsest bin that holds
-        mass (more than 1e-12 of it): above the largest grain, but by less than a bin. Where only an exact size is
-        left there, as in a gap-graded packing before its coarse grains crush, D100 is that size.
+        Mass in a bin is even in ln d between its edges, in the bin of the largest grain up to that grain. D100 is the
+        size of the largest grain as long as its bin holds mass (more than 1e-12 of it), else the upper edge of the
+        coarsest bin that does.
 
         Parameters
         ----------
@@ -90,12 +92,14 @@ class ResultData:
         ParameterError
             If D_x lies in the fines bin after some load.
         """
-        points = self.points or ((),) * len(self.pmf)
-        sizes = [
-            percentile(self.grid, finer, percent, extrapolate=extrapolate, points=exact)
-            for finer, exact in zip(self.cdf, points, strict=True)
-        ]
-        return np.array(sizes)
+        return np.array([self._percentile(k, percent, extrapolate=extrapolate) for k in range(len(self.pmf))])
+
+    def _percentile(self, k: int, percent: float, *, extrapolate: bool) -> float:
+        finer = np.cumsum(self.pmf[k])
+        if self.measured is not None and finer[0] < percent / 100.0 <= 1.0:
+            return self.curve(k).percentile(percent)
+        points, largest = self.points[k] if self.points else (), self.start.largest
+        return percentile(self.grid, finer, percent, extrapolate=extrapolate, points=points, largest=largest)
 
     def curve(self, k: int = -1) -> SizeCurve:
         """Grading curve after load k, for the indices (`comminute.uniformity` and so on).
@@ -119,12 +123,44 @@ class ResultData:
         0.5
         """
         exact = self.points[k] if self.points else ()
-        return SizeCurve.on_grid(self.grid, np.cumsum(self.pmf[k]), self.unit, exact)
+        curve = SizeCurve.on_grid(self.grid, np.cumsum(self.pmf[k]), self.unit, exact, self.start.largest)
+        return self._with_sieves(curve, self.pmf[k])
 
     @property
     def start_curve(self) -> SizeCurve:
         """Grading curve before the first load, on the same grid."""
-        return SizeCurve.on_grid(self.grid, self.start.cdf(), self.unit, self.start.points)
+        if self.measured is not None:
+            return self.measured
+        return SizeCurve.on_grid(self.grid, self.start.cdf(), self.unit, self._start_points, self.start.largest)
+
+    @property
+    def _start_points(self) -> Sequence[PointMass]:
+        """Exact sizes of the start."""
+        return self.start.points
+
+    def _with_sieves(self, curve: SizeCurve, pmf: Floats) -> SizeCurve:
+        """Curve that bends at the sieves of a measured start, as far as bins still hold its grains.
+
+        Of the mass in a bin, as much as the start had there is spread as the sieve data are, and the rest, fragments
+        that landed there, evenly.
+        """
+        if self.measured is None:
+            return curve
+        start, sieves = self.start.grainsize(), self.measured.size
+        if np.array_equal(pmf, start):
+            return self.measured
+        edges = self.grid.edge_sizes
+        bins = np.clip(np.searchsorted(edges, sieves, side="left") - 1, 0, self.grid.bins - 1)
+        inside = (bins > 0) & (sieves < curve.size[-1])
+        sieves, bins, finer = sieves[inside], bins[inside], self.measured.finer[inside]
+        had, has = start[bins], pmf[bins]
+        share = np.divide(finer - self.measured.finer_than(edges[bins]), had, out=np.zeros_like(had), where=had > 0.0)
+        even = np.log(sieves / edges[bins]) / self.grid.spacing
+        here = np.minimum(had, has) * np.clip(share, 0.0, 1.0) + np.maximum(has - had, 0.0) * even
+        size = np.append(curve.size, sieves)
+        finer = np.append(curve.finer, (np.cumsum(pmf) - pmf)[bins] + here)
+        order = np.argsort(size, kind="stable")
+        return SizeCurve(size[order], np.maximum.accumulate(finer[order]), curve.unit, curve.tail_slope)
 
     def fabric(self, k: int) -> Fabric:
         """Fabric after load k (before the remixing, where load k is followed by one).
@@ -165,6 +201,11 @@ class LatticeData(ResultData):
     seed: int
     cdf_error: Floats
     crushes_error: Floats
+    start_points: tuple[PointMass, ...] = ()
+
+    @property
+    def _start_points(self) -> Sequence[PointMass]:
+        return self.start_points
 
     def __repr__(self) -> str:
         loads = f"{self.stress_ratio.size} loads up to {self.stress_ratio.max():g}"

@@ -495,3 +495,30 @@ TEST_CASE("a grading's inverse finds every share of its cdf again, and plateaus 
     CHECK(flat.quantile(0.5 + 1e-9) > 2.0);
     CHECK_REFUSED(gap.quantile(0.0), "share is 0; it must be greater than 0 and at most 1");
 }
+
+TEST_CASE("a curve ends at the largest grain, and jumps at the sizes that were given") {
+    const LogGrid grid(-6.0, 0.1, 62);
+    const comminute::Fabric equal = comminute::mixed_fabric(comminute::gap_graded(1.0, 0.1), grid);
+    CHECK(equal.largest() == 1.0);
+    REQUIRE(equal.points().size() == 2);
+    CHECK(equal.points()[0].size == 0.1);
+    comminute::QuasiStatic solver(grid, comminute::Material{});
+    const comminute::Fabric crushed = comminute::remix(solver.solve(equal, 4.0));
+    CHECK(crushed.largest() == 1.0);
+    CHECK(crushed.points()[0].size == 0.1);
+    const auto cdf = crushed.cdf();
+    const auto curve = comminute::curve_on_grid(grid, comminute::VectorView<const double>(cdf),
+                                                crushed.points(), crushed.largest());
+    CHECK(curve.size.back() == 1.0);
+    CHECK(std::count(curve.size.begin(), curve.size.end(), 0.1) == 2);
+    CHECK(percentile(grid, cdf, 100.0, false, crushed.points(), 1.0) == 1.0);
+    CHECK(percentile(grid, cdf, 100.0, false, crushed.points()) >
+          1.0);  // where nothing is known of the largest grain
+    // mass of the coarsest bin alone: even in ln d up to the largest grain
+    const Numbers one_bin{0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0};
+    const LogGrid small(-7.0, 0.0, 8);
+    CHECK(percentile(small, one_bin, 50.0, false, {}, 1.0) ==
+          doctest::Approx(std::exp(-0.25)).epsilon(1e-12));
+    CHECK_REFUSED(percentile(small, one_bin, 50.0, false, {}, -1.0),
+                  "largest is -1; it must be a size, or 0 where it is not known");
+}

@@ -66,7 +66,7 @@ def test_a_file_can_be_read_by_others(tmp_path: Path) -> None:
     result = simulation("sieves").run(stress=[1.2, 12.0])
     path = result.save(tmp_path / "run.nc")
     with xr.open_dataset(path) as data:
-        assert set(data.sizes) == {"load", "psi", "psibar", "fabric_load"}
+        assert set(data.sizes) == {"load", "psi", "psibar", "fabric_load", "sieve"}
         np.testing.assert_array_equal(data["cdf"], result.cdf)
         np.testing.assert_array_equal(data["fabric"][1], result.fabric(1).probability)
         assert data["size"].attrs == {"long_name": "grainsize at bin centres", "units": "mm"}

@@ -1,6 +1,5 @@
 """Results and the other objects as things: files, pickles, equality, text, plots, optional libraries."""
 
-import math
 import pickle
 import subprocess
 import sys
@@ -166,22 +165,6 @@ def test_percentiles_of_a_result(result: cm.Result) -> None:
         assert np.interp(np.log(d60[k]), np.log(result.edge_size), result.cdf[k]) == pytest.approx(0.6)
 
 
-def test_the_largest_size_of_a_result_is_good_to_a_bin() -> None:
-    gap = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1)).run(stress_ratio=[0.5, 2.0, 100.0])
-    edge = gap.edge_size[gap.grid.bin_of(0.0)]
-    np.testing.assert_array_equal(gap.percentile(100), [1.0, edge, edge])  # exact until fragments share its bin
-    assert 1.0 < edge < math.exp(gap.grid.spacing)
-    sand = cm.Simulation(MATERIAL, SAND).run(stress_ratio=[1.0, 8.0])
-    np.testing.assert_allclose(sand.percentile(100), 1.5, rtol=1e-12)  # a grid of its own ends with the grading
-    coarse_grid = cm.Simulation(MATERIAL, SAND, grid=cm.LogGrid(-6.0, 0.63, 66)).run(stress_ratio=1.0)
-    (largest,) = coarse_grid.percentile(100)
-    assert largest in coarse_grid.edge_size
-    assert 1.5 < largest < 1.5 * math.exp(coarse_grid.grid.spacing)
-    for k in range(3):  # inf{d : F(d) >= 1}
-        assert gap.curve(k).percentile(100) == gap.percentile(100)[k]
-        assert gap.cdf[k][gap.edge_size >= gap.percentile(100)[k]].min() > 1.0 - 1e-12
-
-
 @pytest.mark.parametrize(
     ("cdf", "words"),
     [
@@ -213,8 +196,10 @@ def test_plot_draws_what_the_result_has(result: cm.Result) -> None:
     left, right = figure.axes[:2]
     curves = {line.get_label(): line for line in left.get_lines()}
     assert {name for name in curves if not str(name).startswith("_")} == {"start", "2", "16"}  # tails have no entry
-    np.testing.assert_allclose(np.asarray(curves["16"].get_ydata()), 100 * result.cdf[1])
-    np.testing.assert_allclose(np.asarray(curves["16"].get_xdata()), result.edge_size)
+    curve = result.curve(1)
+    np.testing.assert_allclose(np.asarray(curves["16"].get_ydata()), 100 * curve.finer)
+    np.testing.assert_allclose(np.asarray(curves["16"].get_xdata()), curve.size)
+    np.testing.assert_allclose(curve.finer_than(result.edge_size[1:]), result.cdf[1, 1:], rtol=0.0, atol=1e-12)
     assert left.get_xlabel() == "grainsize (mm)"
     zone = right.get_lines()[0]
     larger, smaller = zone.get_data()
