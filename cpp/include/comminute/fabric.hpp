@@ -127,7 +127,8 @@ class COMMINUTE_API Fabric {
     std::vector<double> cdf() const;
 
     /// The same with every atom and ridge in the bin that holds it, for engines that know bins only. Never loaded
-    /// where that moved any mass, since bins are not tested as points are.
+    /// where that moved any mass, since bins are not tested as points are; a point then fills its bin, so that the largest
+    /// size is not known any more.
     Fabric binned() const;
 
     /// The numbers themselves, to be stored.

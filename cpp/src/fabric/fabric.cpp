@@ -211,7 +211,7 @@ Fabric Fabric::binned() const {
     }
     const std::vector<double>& marginal = data_->grainsize;
     return FabricAccess::make(
-        {grid(), std::move(p), {}, {}, std::nullopt, mean(), marginal, marginal, {}, largest()});
+        {grid(), std::move(p), {}, {}, std::nullopt, mean(), marginal, marginal, {}, 0.0});
 }
 
 bool operator==(const Fabric& a, const Fabric& b) {

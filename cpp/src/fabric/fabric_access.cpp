@@ -34,6 +34,13 @@ std::vector<PointMass> with_sizes(std::vector<PointMass> points, const std::vect
     return points;
 }
 
+double mass_above(const LogGrid& grid, VectorView<const double> mass, double psi) {
+    const Index own = grid.bin_of(psi);
+    if (own + 1 >= grid.bins()) return 0.0;
+    const double upper_part = std::clamp((grid.edge(own + 1) - psi) / grid.spacing(), 0.0, 1.0);
+    return std::min(upper_part * mass[own + 1], mass[own]);
+}
+
 std::vector<double> with_points(const LogGrid& grid, std::vector<double> spread,
                                 const std::vector<PointMass>& points) {
     const VectorView<double> in_bins(spread);

@@ -159,8 +159,7 @@ Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mea
         if ((others == 0.0).all()) return;
         Array<double> mass(bins);
         Line(mass.data(), bins) = share * others;
-        const Index own = grid.bin_of(at);
-        const double above = std::clamp((grid.edge(own + 1) - at) / grid.spacing(), 0.0, 1.0) * mass[own];
+        const double above = mass_above(grid, {mass.data(), bins}, at);
         parts.ridges.push_back({exact, at, std::move(mass).vector(), above});
     };
     for (const PointMass& point : points) {

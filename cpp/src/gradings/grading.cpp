@@ -153,7 +153,7 @@ Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean, Poin
     std::vector<double> pmf = grading.on_grid(grid);
     const auto* sizes = std::get_if<PointMasses>(&grading.law);
     if (sizes == nullptr || points == PointHandling::binned)
-        return mixed_fabric(grid, std::move(pmf), mean, {}, grading.largest());
+        return mixed_fabric(grid, std::move(pmf), mean, {}, sizes == nullptr ? grading.largest() : 0.0);
     std::vector<PointMass> exact;
     for (std::size_t q = 0; q < sizes->size.size(); ++q) {
         const double psi = std::min(std::log(sizes->size[q]), grid.edge(grid.bins()));

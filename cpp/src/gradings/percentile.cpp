@@ -4,9 +4,11 @@
 #include <string>
 #include <utility>
 
+#include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "base/point_curve.hpp"
 #include "comminute/grading.hpp"
+#include "fabric/fabric_access.hpp"
 
 namespace comminute {
 
@@ -61,6 +63,9 @@ CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
     const double whole = cdf[cdf.size() - 1] - share_rounding;
     const double top = largest > 0.0 ? std::log(largest) : 0.0;
     const double rounding = 1e-9 * grid.spacing();  // in which a size lies on an edge
+    Array<double> in_bins(grid.bins());             // mass at no exact size
+    for (Index i = 0; i < grid.bins(); ++i) in_bins[i] = cdf[i] - (i > 0 ? cdf[i - 1] : 0.0);
+    for (const PointMass& exact : points) in_bins[grid.bin_of(exact.psi)] -= exact.mass;
     auto point = points.begin();
     for (Index i = 0; i < grid.bins(); ++i) {
         const double low = grid.edge(i);
@@ -70,13 +75,17 @@ CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
             largest > 0.0 && cdf[i] >= whole && top > low + rounding && top <= edge + rounding;
         const double high = ends_inside ? std::min(top, edge) : edge;
         const double before = i > 0 ? cdf[i - 1] : 0.0;
-        double spread = cdf[i] - before;
+        const double spread = in_bins[i];
         const auto first = point;
-        for (; point != points.end() && grid.bin_of(point->psi) == i; ++point) spread -= point->mass;
+        while (point != points.end() && grid.bin_of(point->psi) == i) ++point;
         double exact = 0.0;  // mass of the finer exact sizes in the bin
         for (auto jump = first; jump != point; ++jump) {
-            const double share = std::min((jump->psi - low) / (high - low), 1.0);
-            const double below = before + spread * share + exact;
+            const double even = spread * std::min((jump->psi - low) / (high - low), 1.0);
+            const bool alone = point - first == 1;
+            const double below =
+                before + exact +
+                (alone ? std::max(even, spread - mass_above(grid, {in_bins.data(), grid.bins()}, jump->psi))
+                       : even);
             exact += jump->mass;
             add(jump->size, below);
             add(jump->size, below + jump->mass);

@@ -41,6 +41,7 @@ struct QuasiStatic::Work {
     ActiveBand after;
     double load_before = 0.0;  // loads of these two bands
     double load_after = 0.0;
+    double largest = 0.0;  // size that no grain of their state exceeds
     BandSweep sweep;
     BlendSweep blend;
     PointSweep points;
@@ -63,17 +64,23 @@ struct QuasiStatic::Work {
 
     // Zones cost as much as a small sweep, so they are kept from one solve to the next: for many states under the same
     // loads, and for a load path, whose next solve starts in the zone in which the last one ended.
-    void set_loads(std::optional<double> settled_at, double stress_ratio) {
+    void set_loads(std::optional<double> settled_at, double stress_ratio, double no_grain_exceeds) {
         const double settled = settled_at.value_or(0.0);
+        if (no_grain_exceeds != largest) {
+            largest = no_grain_exceeds;
+            before.set_load(load_before = settled, largest);
+            after.set_load(load_after = stress_ratio, largest);
+            return;
+        }
         if (settled != load_before) {
             if (settled == load_after) {
                 std::swap(before, after);
                 std::swap(load_before, load_after);
             } else {
-                before.set_load(load_before = settled);
+                before.set_load(load_before = settled, largest);
             }
         }
-        if (stress_ratio != load_after) after.set_load(load_after = stress_ratio);
+        if (stress_ratio != load_after) after.set_load(load_after = stress_ratio, largest);
     }
 
     const CrushTable& table() const {
@@ -133,7 +140,7 @@ struct QuasiStatic::Work {
     /// Brings points and bins to rest. Returns all data of the fabric after but its bins, which go to `out`.
     FabricParts settle(const Fabric& state, double stress_ratio, MatrixView<double>* out,
                        SolveReport& report) {
-        set_loads(state.settled_at(), stress_ratio);
+        set_loads(state.settled_at(), stress_ratio, state.largest());
         points.run(state, stress_ratio);
         std::vector<double> rows = state.parts().rows;
         report = settle(state.probability(), points.arrivals(), &rows, out);
@@ -238,7 +245,7 @@ SolveReport QuasiStatic::solve(MatrixView<const double> state, double stress_rat
         }
         return {};
     }
-    work_->set_loads(settled_at, stress_ratio);
+    work_->set_loads(settled_at, stress_ratio, 0.0);
     return work_->settle(state, {}, nullptr, &out);
 }
 
@@ -251,7 +258,7 @@ SolveReport QuasiStatic::marginal(MatrixView<const double> state, double stress_
     std::vector<double> rows = row_sums(state);
     SolveReport report;
     if (!settled_at || stress_ratio > *settled_at) {
-        work_->set_loads(settled_at, stress_ratio);
+        work_->set_loads(settled_at, stress_ratio, 0.0);
         report = work_->settle(state, {}, &rows, nullptr);
     }
     std::copy(rows.begin(), rows.end(), grainsize.begin());

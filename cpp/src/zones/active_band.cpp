@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "zones/cut_shares.hpp"
+
 namespace comminute::detail {
 
 ActiveBand::ActiveBand(const LogGrid& grid, const Material& material, Scheme scheme)
@@ -22,7 +24,7 @@ void ActiveBand::clear() {
     partial_.clear();
 }
 
-void ActiveBand::set_load(double stress_ratio) {
+void ActiveBand::set_load(double stress_ratio, double largest) {
     clear();
     if (scheme_ == Scheme::paper) {
         zones_.set_load(stress_ratio);
@@ -35,6 +37,23 @@ void ActiveBand::set_load(double stress_ratio) {
     if (stress_ratio == 0.0) return;
     const ShellZones zones(grid_, material_, std::log(stress_ratio));
     for (Index begin = 0; begin < grid_.bins(); begin += lanes) set_shells(zones, begin);
+    if (largest > 0.0) cut_shell(largest, std::log(stress_ratio));
+}
+
+// Computes the partial shares in the bin of the largest grain anew. Cells that lie in the zone as a whole, or outside,
+// stay so when they are cut off.
+void ActiveBand::cut_shell(double largest, double log_stress_ratio) {
+    const double h = grid_.spacing();
+    const double top = (std::log(largest) - grid_.centre(0)) / h;
+    if (!(top < static_cast<double>(grid_.bins()) - 0.5)) return;
+    const auto own = static_cast<Index>(std::floor(top + 0.5));
+    constexpr double rounding = 1e-9;  // a size this near to an edge, in bins, lies on it
+    const double part = top + 0.5 - static_cast<double>(own);
+    if (own < 1 || part < rounding || part > 1.0 - rounding) return;
+    const CutShell cut{(zone_onset(material_, log_stress_ratio) - grid_.centre(0)) / h, material_.k() / h,
+                       own, top};
+    for (Index d = full_[own]; d <= last_[own]; ++d)
+        partial_[first_partial_[own] + d - full_[own]] = cut_share(cut, d);
 }
 
 // Sets a pack of shells from `begin` on. Shell 0, fines among fines, is always at rest.

@@ -19,7 +19,9 @@ class ActiveBand {
     /// Removes the load: nothing is active.
     void clear();
     /// Computes the shares under another load; 0 is no load.
-    void set_load(double stress_ratio);
+    /// @param largest  size that no grain exceeds: where it lies inside a bin, the cells of this bin end there, and their
+    ///                 shares are of what they hold; 0 where it is not known
+    void set_load(double stress_ratio, double largest = 0.0);
 
     /// Number of distances, from 0 on, at which the whole cell of shell m moves.
     Index full(Index m) const { return full_[m]; }
@@ -34,6 +36,7 @@ class ActiveBand {
 
   private:
     void set_shells(const ShellZones& zones, Index begin);
+    void cut_shell(double largest, double log_stress_ratio);
 
     LogGrid grid_;
     Material material_;

@@ -219,7 +219,7 @@ class ContinuumWalker:
         p = engine.settle(before.probability, load.stress_ratio, steps=self._steps)
         # A fixed number of steps may leave mass inside the zone: the state is then at rest under no known load.
         settled = max(load.stress_ratio, before.settled_at or 0.0) if self._steps is None else None
-        self._fabric = Fabric(before.grid, p, settled_at=settled, mean=before.mean, largest=before.largest)
+        self._fabric = Fabric(before.grid, p, settled_at=settled, mean=before.mean)
         self._crushed += engine.report.crushed
         grainsize = self._fabric.grainsize()
         return Outcome(grainsize, self._crushed, mass_error(grainsize), (), engine.report, self._fabric)

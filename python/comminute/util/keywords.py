@@ -50,7 +50,10 @@ def suggests_keywords(function: Callable[P, R], name: str = "") -> Callable[P, R
     def checked(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
             return function(*args, **kwargs)
-        except TypeError:
+        except Exception as error:
+            args = ()  # type: ignore[assignment]  # an object that was not made ends the process of who prints it
+            if not isinstance(error, TypeError):
+                raise
             known = keywords_of(function)
             for word in kwargs:
                 if known and word not in known:

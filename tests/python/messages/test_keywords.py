@@ -46,3 +46,10 @@ def test_a_file_is_no_start() -> None:
         cm.Simulation(MATERIAL, [1.0])  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="material is a Grading; it must be a Material"):
         cm.Simulation(START, MATERIAL)  # type: ignore[arg-type]
+
+
+def test_no_traceback_holds_an_object_that_was_not_made() -> None:
+    with pytest.raises(cm.ParameterError) as caught:
+        cm.LogGrid(1.0, 0.0, 60)
+    for entry in caught.traceback:  # debuggers and pytest print what a frame holds
+        assert not any(isinstance(value, cm.LogGrid) for value in entry.frame.f_locals.get("args", ()))

@@ -104,3 +104,33 @@ def test_a_lattice_keeps_its_exact_sizes(tmp_path: Path) -> None:
     assert broad.points == ((),)  # a thousand sizes make no steps
     given = cm.Lattice.from_sizes(np.tile([0.3, 0.1], 50), cm.Material()).run(stress_ratio=0.0)
     np.testing.assert_array_equal(given.curve(0).finer_than([0.1, 0.3]), [0.5, 1.0])
+
+
+@pytest.mark.parametrize("intervals", [100, 137, 400])
+def test_own_fragments_are_smaller_than_the_grains_they_come_from(intervals: int) -> None:
+    grid = cm.LogGrid(-8.0, 0.0, intervals + 1)
+    equal = cm.Simulation(cm.Material(), cm.monodisperse(1.0), grid=grid)
+    # Half of the mass is intact after the first load, a quarter of that has two intact neighbours, and either of two
+    # equal sizes may crush: .5 + 1/16, whatever the bins.
+    twice = equal.run(stress_ratio=[1.0, 1.0], remix_after=[0])
+    assert twice.crushes[1] == pytest.approx(0.5 + 0.0625, abs=1e-12)
+    # With the fabric off each grain of the critical size crushes once, and none of its fragments.
+    off = cm.Simulation(cm.Material(fabric_width=np.inf), cm.monodisperse(1.0), grid=grid)
+    assert off.run(stress_ratio=1.0).crushes[0] == pytest.approx(1.0, abs=1e-12)
+    nearly = cm.Simulation(cm.Material(fabric_width=1e6), cm.monodisperse(1.0), grid=grid)
+    assert nearly.run(stress_ratio=1.0).crushes[0] < 1.0 + 1e-6
+
+
+@pytest.mark.parametrize(
+    ("start", "loads"),
+    [(cm.monodisperse(1.0), [8.0, 2.0, 4.0]), (cm.gap_graded(1.0, float(np.exp(-2.0))), [8.0, 32.0])],
+    ids=["equal", "gap-graded"],
+)
+def test_exact_sizes_after_a_remixing_are_second_order(start: cm.Grading, loads: list[float]) -> None:
+    def crushes(intervals: int) -> float:
+        sim = cm.Simulation(cm.Material(), start, grid=cm.LogGrid(-8.0, 0.0, intervals + 1))
+        return float(sim.run(stress_ratio=loads, remix_after=[0], keep_fabrics=[]).crushes[-1])
+
+    limit = crushes(4000)
+    for intervals in (200, 400, 800):  # where the tip lies in its bin scatters the error, within h^2
+        assert abs(crushes(intervals) - limit) < 0.5 * (8.0 / intervals) ** 2
