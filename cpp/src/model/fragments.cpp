@@ -27,11 +27,15 @@ void require_positive(const char* parameter, double value) {
     require(value > 0.0 && value < infinity, parameter, value, "greater than 0 and finite");
 }
 
+// A law is narrow in a bin that would take more panels than this, and is then integrated where it has its mass alone.
+constexpr double most_panels = 16.0;
+constexpr double negligible_share = 0x1p-53;
+
 // Mean over the bin [lower, lower + h] in r of weight(u) times the law's density or cdf, u = (r - lower) / h, split
-// where those have kinks. In u, not in r, since far down the tail r/h has no digits left for the weight.
+// where those have kinks; `coarser` is what f is where all the law's mass is finer. In u, not in r, since far down the tail r/h has no digits left for the weight.
 template <class Law, class F, class Value = double>
 Value mean_over_bin(const Law& law, const std::vector<double>& kinks, double lower, double h, const F& f,
-                    const Value& zero = 0.0) {
+                    const Value& zero = 0.0, double coarser = 0.0) {
     Value sum = zero;
     double begin = 0.0;
     auto kink = std::upper_bound(kinks.begin(), kinks.end(), lower);
@@ -39,8 +43,15 @@ Value mean_over_bin(const Law& law, const std::vector<double>& kinks, double low
         const double next = kink != kinks.end() ? (*kink++ - lower) / h : 1.0;
         const double end = std::clamp(next, begin, 1.0);
         if (end == begin) continue;
-        const int panels = static_cast<int>(std::ceil((end - begin) * h / law.smooth_length()));
-        sum += integrate(f, begin, end, panels, zero);
+        double from = begin;
+        double to = end;
+        if ((to - from) * h > most_panels * law.smooth_length()) {
+            from = std::clamp((law.quantile(negligible_share) - lower) / h, begin, end);
+            to = std::clamp((law.quantile(1.0 - negligible_share) - lower) / h, begin, end);
+            sum += Value(zero + (end - to) * coarser);
+        }
+        const int panels = static_cast<int>(std::ceil((to - from) * h / law.smooth_length()));
+        if (panels > 0) sum += integrate(f, from, to, panels, zero);
         begin = end;
     }
     return sum;
@@ -89,7 +100,7 @@ FragmentPmf conservative_pmf(const Law& law, double h, Index bins) {
     if (bins > 1) {
         const auto depth = static_cast<double>(bins - 1);
         const auto cdf = [&](double u) { return law.cdf((u - depth) * h); };
-        pmf.below.back() = mean_over_bin(law, kinks, -depth * h, h, cdf);
+        pmf.below.back() = mean_over_bin(law, kinks, -depth * h, h, cdf, 0.0, 1.0);
     }
     return pmf;
 }
