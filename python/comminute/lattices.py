@@ -54,7 +54,7 @@ class LoadedRings(Rings):
         stress: float | Iterable[float] | None = None,
         remix_after: Iterable[int] = (),
         grid: LogGrid | None = None,
-        keep_fabrics: Keep = "all",
+        keep_fabrics: Keep = "auto",
         on_load: Callable[[int], object] | None = None,
     ) -> LatticeResult:
         """Take the lattice through a load path, on from the state in which it is.
@@ -70,8 +70,9 @@ class LoadedRings(Rings):
         grid : LogGrid, optional
             Bins of the result; to compare with a continuum run give the `grid` of its result. Left out,
             one is sized from the cells and the largest load (`fitting_grid`).
-        keep_fabrics : {"all", "last"} or sequence of int
-            Loads whose `Result.fabric` is kept, N x N numbers each.
+        keep_fabrics : {"auto", "all", "last"} or sequence of int
+            Loads whose `Result.fabric` is kept, N x N numbers each; "auto": as many as fit into 256 MB, evenly over
+            the path, the last among them. A lattice does not compute the others again.
         on_load : callable, optional
             Called with the index of each load when it is finished, for progress bars.
 
@@ -87,8 +88,8 @@ class LoadedRings(Rings):
             On Ctrl-C; its `result` has the finished loads, and the lattice can go on.
         """
         path = load_path(self.material, stress_ratio, stress, 0.0, remix_after)
-        wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size)
         grid = grid or self._core.fitting_grid(float(path.stress_ratio.max()))
+        wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size, grid.bins)
         return finished(lattice_run(LatticeResult, self, path, grid, wanted=wanted, unit=self._unit), on_load)
 
 

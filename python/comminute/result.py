@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
+from comminute._core import Fabric
 from comminute.files.arrays import save_npz
 from comminute.files.storage import save_netcdf, to_dataset
-from comminute.runs.continuing import again, resumed
+from comminute.runs.continuing import again, fabric_after, resumed
 from comminute.runs.load_path import Keep, load_path, wanted_fabrics
 from comminute.runs.outcomes import Outcome
 from comminute.runs.path_run import PathRun
@@ -63,7 +64,7 @@ class Result(ResultData):
     points : tuple of tuple of PointMass
         For each load, the mass that still has an exact size, fine to coarse: there the cdf jumps.
     reports : tuple of SolveReport or StepReport
-        For each load, the account of its engine: of the solve from the last kept fabric, or of the steps.
+        For each load, the account of its engine: of the solve from the start or the last remixing, or of the steps.
     recipe : Recipe or None
         Settings of the run, to resume it or run it again.
     measured : SizeCurve or None
@@ -133,7 +134,7 @@ class Result(ResultData):
         stress: float | Iterable[float] | None = None,
         loading_rate: float | Iterable[float] = 0.0,
         remix_after: Iterable[int] = (),
-        keep_fabrics: Keep = "all",
+        keep_fabrics: Keep = "auto",
         on_load: Callable[[int], object] | None = None,
     ) -> Self:
         """Go on from the last load, on the same grid and with the same engine and scheme.
@@ -148,14 +149,13 @@ class Result(ResultData):
         Returns
         -------
         Result
-            All loads, the old and the new: equal to one run through all of them on this grid, in every bit where
-            that run and this result keep all fabrics, so that every load starts from the fabric after the one
-            before. A run that keeps fewer solves from the last one that it kept: equal to rounding, some 1e-15.
+            All loads, the old and the new: equal in every bit to one run through all of them on this grid, whichever
+            fabrics are kept.
 
         Raises
         ------
         ParameterError
-            If the last fabric was not kept, or for loads outside their range.
+            For loads outside their range, or a result that does not say how it was made.
         Interrupted
             On Ctrl-C; its `result` has the finished loads.
 
@@ -167,8 +167,41 @@ class Result(ResultData):
         True
         """
         later = load_path(self.material, stress_ratio, stress, loading_rate, remix_after)
-        wanted = wanted_fabrics(keep_fabrics, later.stress_ratio.size)
+        wanted = wanted_fabrics(keep_fabrics, later.stress_ratio.size, self.grid.bins)
         return finished(resumed(self, later, wanted), on_load)
+
+    def fabric(self, k: int) -> Fabric:
+        """Fabric after load k (before the remixing, where load k is followed by one).
+
+        One that was not kept is computed again, to the same bits; see `keep_fabrics` of `Simulation.run`.
+
+        Parameters
+        ----------
+        k : int
+            Index of the load.
+
+        Returns
+        -------
+        Fabric
+
+        Raises
+        ------
+        ParameterError
+            If that fabric was not kept, and this is the result of a lattice or does not say how it was made.
+        IndexError
+            If there is no load k.
+
+        Examples
+        --------
+        >>> import comminute as cm
+        >>> sim = cm.Simulation(cm.Material(), cm.monodisperse(1.0), grid=cm.LogGrid(-6.0, 0.0, 61))
+        >>> lean, full = (sim.run([1, 8], keep_fabrics=keep) for keep in ([], "all"))
+        >>> lean.fabrics, lean.fabric(0) == full.fabric(0)
+        ((None, None), True)
+        """
+        if self.fabrics[k] is None and self.recipe is not None:
+            return fabric_after(self, range(len(self.fabrics))[k])
+        return super().fabric(k)
 
     def slider(self) -> Any:
         """Grading curves and fabric with a slider over the kept loads, for notebooks; needs ipywidgets.
@@ -291,8 +324,7 @@ def run_again(result: R) -> R:
     Returns
     -------
     Result
-        Equal to it in every bit, on the same machine and build; in all but the last bits where it was resumed
-        after loads whose fabric was not kept.
+        Equal to it in every bit, on the same machine and build.
 
     Raises
     ------

@@ -125,7 +125,7 @@ class Simulation:
         engine: EngineName = "auto",
         kind: Kind | None = None,
         steps_per_load: int | Literal["rest"] = "rest",
-        keep_fabrics: Keep = "all",
+        keep_fabrics: Keep = "auto",
         on_load: Callable[[int], object] | None = None,
     ) -> Result:
         """Take the start through a load path.
@@ -147,8 +147,10 @@ class Simulation:
             Kernel. Left out: slow, or the blend where a loading rate is given.
         steps_per_load : int or "rest"
             Steps at each load, for time-stepping engines: a number, or as many as bring the state to rest.
-        keep_fabrics : {"all", "last"} or sequence of int
-            Loads whose `Result.fabric` is kept, N x N numbers each.
+        keep_fabrics : {"auto", "all", "last"} or sequence of int
+            Loads whose fabric is kept, N x N numbers each. "auto" keeps all that fit into 256 MB, else as many as do,
+            evenly over the path and the last among them. `Result.fabric` computes the others again when it is asked
+            for them, and what is kept changes no bit of any result.
         on_load : callable, optional
             Called with the index of each load when it is finished, for progress bars.
 
@@ -173,15 +175,14 @@ class Simulation:
         counted = isinstance(steps_per_load, int) and not isinstance(steps_per_load, bool) and steps_per_load >= 1
         if steps_per_load != "rest" and not counted:
             raise ParameterError(f'steps_per_load is {steps_per_load!r}; it must be "rest" or a number of at least 1')
-        wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size)
         recipe = Recipe.of(
             path,
             engine=engine,
             kind=kind,
             steps_per_load=steps_per_load,
-            chained=len(wanted) == path.stress_ratio.size,
         )
         setup = self._setup(float(path.stress_ratio.max()))
+        wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size, setup.start.grid.bins)
         result = finished(continuum_run(Result, setup, path, recipe, wanted=wanted), on_load)
         for warning in result.warnings:
             warnings.warn(warning, ResolutionWarning, stacklevel=2)

@@ -55,6 +55,7 @@ def main() -> None:
         np.savetxt(HERE / f"{name}.csv", table, delimiter=",", header=header, fmt="%.17g")
     with tempfile.TemporaryDirectory() as folder:
         result = case(Path(folder))
+    assert result.stress is not None
     table = np.column_stack([result.edge_size, result.cdf.T])
     header = "edge_size," + ",".join(f"finer at {load:g} MPa" for load in result.stress)
     np.savetxt(HERE / "sand_curves.csv", table, delimiter=",", header=header, fmt="%.17g")

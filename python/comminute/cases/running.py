@@ -122,7 +122,7 @@ def run_case(
                 saved = time.monotonic()
                 cost = saved - begun
         assert result is not None
-        wanted = _wanted(case)
+        wanted = _wanted(case, result.grid.bins)
         fabrics = tuple(fabric if k in wanted else None for k, fabric in enumerate(result.fabrics))
         done = dataclasses.replace(result, fabrics=fabrics)
         save_netcdf(done, case.target)
@@ -138,7 +138,7 @@ def run_case(
 
 
 def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Outcome, Result]:
-    """Run of a case, each load from the fabric after the last one, so that a file in between changes no bit.
+    """Run of a case; a file in between changes no bit.
 
     It keeps the fabrics that the case asks for, and while it runs the last one, to go on from.
     """
@@ -158,12 +158,14 @@ def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Outcome, Resul
         setup = Setup.mixed(case.material, case.grading, start, engine.scheme)
     else:
         setup = setup_of(earlier)
-    return continuum_run(Result, setup, path, recipe, wanted=_wanted(case), keep_latest=True, earlier=earlier)
+    return continuum_run(
+        Result, setup, path, recipe, wanted=_wanted(case, setup.start.grid.bins), keep_latest=True, earlier=earlier
+    )
 
 
-def _wanted(case: ReadyCase) -> frozenset[int]:
+def _wanted(case: ReadyCase, bins: int) -> frozenset[int]:
     """Find the loads whose fabric a case asks for."""
-    return wanted_fabrics(case.resolved.output.fabrics, len(next(iter(case.loads().values()))))
+    return wanted_fabrics(case.resolved.output.fabrics, len(next(iter(case.loads().values()))), bins)
 
 
 def run_file_again(file: Path, target: Path) -> tuple[Result, bool]:

@@ -43,10 +43,6 @@ def draw(file: Path, target: Path, *, what: str, load: int, table: dict[str, Any
             if not -result.stress_ratio.size <= load < result.stress_ratio.size:
                 rule = f"it must be an index of a load, 0 to {result.stress_ratio.size - 1}"
                 raise parameter_error("--load", load, rule)
-            if result.fabrics[load] is None:
-                subject, finding = file.name, f"has no fabric of load {load}"
-                error = parameter_error("--load", load, subject=subject, finding=finding, remedy="keep_fabric")
-                raise reworded(error, words=WORDS)
             figure = plotting.plot_result(result, load)
         else:
             _indices(result, figure)

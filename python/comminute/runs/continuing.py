@@ -7,11 +7,13 @@ from typing import TypeVar
 
 import numpy as np
 
+from comminute._core import Fabric
 from comminute.runs.continuum import continuum_run, recipe_of, setup_of
 from comminute.runs.load_path import LoadPath
-from comminute.runs.outcomes import Outcome
+from comminute.runs.outcomes import Outcome, outcomes_of
 from comminute.runs.path_run import PathRun
 from comminute.runs.results import ResultData
+from comminute.runs.walk import ContinuumWalker
 
 R = TypeVar("R", bound=ResultData)
 
@@ -28,8 +30,27 @@ def kept_of(result: ResultData) -> frozenset[int]:
     return frozenset(k for k, fabric in enumerate(result.fabrics) if fabric is not None)
 
 
+def fabric_after(result: ResultData, k: int) -> Fabric:
+    """Compute the fabric after load k of a result again, to the bits that a run which keeps it has.
+
+    Raises
+    ------
+    ParameterError
+        If the result has no recipe.
+    """
+    walker = ContinuumWalker(result.start, result.material, setup_of(result).scheme, recipe_of(result))
+    loads = path_of(result).loads()
+    for outcome, load in zip(outcomes_of(result)[:k], loads, strict=False):
+        walker.skip(load, outcome)
+        if load.remixed:
+            walker.remix()
+    fabric = walker.load(next(loads), with_fabric=True).fabric
+    assert fabric is not None
+    return fabric
+
+
 def resumed(result: R, later: LoadPath, wanted: frozenset[int]) -> PathRun[Outcome, R]:
-    """Run that goes on from the last load of a result, each load from the fabric after the one before.
+    """Run that goes on from the last load of a result, to the bits of one run through all loads.
 
     Parameters
     ----------
@@ -47,7 +68,7 @@ def resumed(result: R, later: LoadPath, wanted: frozenset[int]) -> PathRun[Outco
     Raises
     ------
     ParameterError
-        If the result has no recipe or not its last fabric, or for a load that its engine cannot take.
+        If the result has no recipe, or for a load that its engine cannot take.
     """
     done = result.stress_ratio.size
     path = path_of(result).then(later)

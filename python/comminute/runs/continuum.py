@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from comminute._core import Fabric, Grading, Material, remix
+from comminute._core import Fabric, Grading, Material
 from comminute.gradings.curves import SizeCurve
 from comminute.runs.load_path import LoadPath
 from comminute.runs.outcomes import Outcome, outcomes_of, rows
@@ -70,13 +70,6 @@ def recipe_of(result: ResultData) -> Recipe:
     return result.recipe
 
 
-def next_start(result: ResultData) -> Fabric:
-    """Fabric from which the next load goes on: the one after the last load, remixed where the recipe says so."""
-    last = result.stress_ratio.size - 1
-    fabric = result.fabric(last)
-    return remix(fabric) if last in recipe_of(result).remix_after else fabric
-
-
 def continuum_run(
     make: Callable[..., R],
     setup: Setup,
@@ -101,7 +94,8 @@ def continuum_run(
     wanted, keep_latest
         Fabrics that are kept; see `PathRun`.
     earlier : ResultData, optional
-        Result of the first loads, after which the run goes on, each load from the fabric after the one before.
+        Result of the first loads, after which the run goes on as one run of all loads would. A remixing among those
+        loads, and a time-stepping engine, is gone through again where the fabric before it was not kept.
 
     Returns
     -------
@@ -110,16 +104,14 @@ def continuum_run(
     Raises
     ------
     ParameterError
-        For a load that the engine asked for cannot take, or an earlier result without its last fabric.
+        For a load that the engine asked for cannot take.
     """
-    finished: list[Outcome] = []
-    if earlier is None:
-        walker = ContinuumWalker(setup.start, setup.material, setup.scheme, recipe)
-    else:
-        finished, crushed = outcomes_of(earlier), float(earlier.crushes[-1])
-        walker = ContinuumWalker(
-            next_start(earlier), setup.material, setup.scheme, recipe, crushed=crushed, engine=earlier.engine
-        )
+    walker = ContinuumWalker(setup.start, setup.material, setup.scheme, recipe)
+    finished = [] if earlier is None else outcomes_of(earlier)
+    for load, outcome in zip(path.loads(), finished, strict=False):
+        walker.skip(load, outcome)
+        if load.remixed:
+            walker.remix()
 
     def result_of(outcomes: Sequence[Outcome]) -> R:
         if earlier is not None and len(outcomes) == len(finished):
@@ -146,7 +138,6 @@ def continuum_run(
         path,
         result_of,
         wanted=wanted,
-        chained=recipe.chained or earlier is not None,
         keep_latest=keep_latest,
         finished=finished,
     )

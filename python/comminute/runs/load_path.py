@@ -16,7 +16,8 @@ from comminute.util.errors import parameter_error
 Floats = npt.NDArray[np.float64]
 
 
-Keep = Literal["all", "last"] | Sequence[int]
+Keep = Literal["auto", "all", "last"] | Sequence[int]
+FABRICS_MEMORY = 256 * 2**20  # bytes of the fabrics that are kept unless told otherwise
 
 
 class Load(NamedTuple):
@@ -138,12 +139,20 @@ def load_path(
     return LoadPath(ratios, stresses, rates, _indices("remix_after", remix_after, ratios.size), stress is not None)
 
 
-def wanted_fabrics(keep: Keep, loads: int) -> frozenset[int]:
+def fabric_memory(bins: int) -> int:
+    """Bytes of a fabric, its N x N numbers."""
+    return 8 * bins * bins
+
+
+def wanted_fabrics(keep: Keep, loads: int, bins: int) -> frozenset[int]:
     """Find the loads whose fabric is kept, by index, in a path of so many loads; see `Simulation.run`."""
+    if keep == "auto":
+        most = min(loads, FABRICS_MEMORY // fabric_memory(bins))
+        return frozenset(loads - 1 - (k * loads) // most for k in range(most))
     if keep == "all":
         return frozenset(range(loads))
     if keep == "last":
         return frozenset([loads - 1])
     if isinstance(keep, str):
-        raise parameter_error("keep_fabrics", f"'{keep}'", "it must be 'all', 'last' or indices of loads")
+        raise parameter_error("keep_fabrics", f"'{keep}'", "it must be 'auto', 'all', 'last' or indices of loads")
     return _indices("keep_fabrics", keep, loads)

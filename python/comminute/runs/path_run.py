@@ -24,7 +24,7 @@ class Walker(Protocol[O_co]):
         """Take the packing through one load.
 
         The next load starts from the state after this one. Without `with_fabric` the walker may leave the fabric out
-        of the outcome, and need not compute it.
+        of the outcome, and need not compute it; that changes no bit of any other number.
         """
         ...
 
@@ -49,9 +49,6 @@ class PathRun(Generic[O, R]):
         Makes the result of finished outcomes, at least one.
     wanted : frozenset of int
         Indices of the loads whose fabric is kept.
-    chained : bool
-        Ask the walker for the fabric after every load, so that the next one starts from there in every bit, whichever
-        fabrics are kept.
     keep_latest : bool
         Keep the fabric of the latest load until the next is finished: a result so far can then be gone on from.
     finished : iterable of Outcome
@@ -65,7 +62,6 @@ class PathRun(Generic[O, R]):
         result_of: Callable[[Sequence[O]], R],
         *,
         wanted: frozenset[int],
-        chained: bool = False,
         keep_latest: bool = False,
         finished: Iterable[O] = (),
     ) -> None:
@@ -73,14 +69,13 @@ class PathRun(Generic[O, R]):
         self._path = path
         self._result_of = result_of
         self._wanted = wanted
-        self._chained = chained
         self._keep_latest = keep_latest
         self._outcomes = list(finished)
 
     def __iter__(self) -> Iterator[O]:
         """Take load after load, and give the outcome of each when the packing is ready for the next one."""
         for load in self._path.loads(first=len(self._outcomes)):
-            with_fabric = self._chained or self._keep_latest or load.place in self._wanted
+            with_fabric = self._keep_latest or load.place in self._wanted
             self._outcomes.append(self._walker.load(load, with_fabric=with_fabric))
             self._drop_fabric(load.place - 1 if self._keep_latest else load.place)
             if load.remixed:

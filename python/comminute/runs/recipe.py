@@ -50,9 +50,6 @@ class Recipe:
         Steps of a time-stepping engine at each load.
     by_stress : bool
         The loads were given as stresses; not compared, since the same loads may be given either way.
-    chained : bool
-        Every load went on from the fabric after the one before, as when all are kept; not compared. Otherwise
-        the gradings of loads whose fabric was not kept come from the last one that was, the same to rounding.
     stress_unit : str
         Unit of the stresses, as text.
     case : str
@@ -65,7 +62,6 @@ class Recipe:
     kind: Kind | None = None
     steps_per_load: int | Literal["rest"] = "rest"
     by_stress: bool = field(default=False, compare=False)
-    chained: bool = field(default=True, compare=False)
     stress_unit: str = ""
     case: str = ""
 
@@ -88,6 +84,7 @@ class Recipe:
     def from_json(cls, text: str) -> Recipe:
         """Recipe of a text that `to_json` wrote."""
         fields = json.loads(text)
+        fields.pop("chained", None)  # of the first files
         fields["loading_rate"] = tuple(float(rate) for rate in fields["loading_rate"])
         fields["remix_after"] = tuple(int(k) for k in fields["remix_after"])
         return cls(**fields)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from comminute._core import Fabric, LogGrid, Material, PointMass, SolveReport, StepReport, percentile
 from comminute.gradings.curves import SizeCurve
+from comminute.runs.load_path import fabric_memory
 from comminute.runs.recipe import Recipe
 from comminute.util.equality import same_values
 from comminute.util.errors import parameter_error
@@ -178,6 +179,11 @@ class ResultData:
             raise parameter_error("k", k, subject=subject, finding="was not kept", remedy="keep_fabric")
         return kept
 
+    def _kept(self) -> str:
+        """Tell how many fabrics are kept, and their memory."""
+        kept = sum(fabric is not None for fabric in self.fabrics)
+        return f", {kept} fabrics ({kept * fabric_memory(self.grid.bins) / 1e6:.3g} MB)"
+
     def __eq__(self, other: object) -> bool:
         """Equal in every number and setting."""
         if not isinstance(other, ResultData):
@@ -188,7 +194,7 @@ class ResultData:
 
     def __repr__(self) -> str:
         loads = f"{self.stress_ratio.size} loads up to {self.stress_ratio.max():g}"
-        what = f"engine {self.engine}, {self.crushes[-1]:.3g} crushes a cell"
+        what = f"engine {self.engine}, {self.crushes[-1]:.3g} crushes a cell{self._kept()}"
         return f"<{type(self).__name__}: {loads}, {self.grid.bins} bins, {what}>"
 
 
@@ -209,5 +215,5 @@ class LatticeData(ResultData):
 
     def __repr__(self) -> str:
         loads = f"{self.stress_ratio.size} loads up to {self.stress_ratio.max():g}"
-        rings = f"{self.replicas} x {self.cells} cells, {self.crushes[-1]:.3g} crushes a cell"
+        rings = f"{self.replicas} x {self.cells} cells, {self.crushes[-1]:.3g} crushes a cell{self._kept()}"
         return f"<{type(self).__name__}: {loads}, {self.grid.bins} bins, engine {self.engine}, {rings}>"

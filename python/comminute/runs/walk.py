@@ -73,10 +73,10 @@ def steps_of(recipe: Recipe) -> int | None:
 
 
 class _Segment:
-    """Solves between two remixings or changes of solver, each from the last fabric that was wanted.
+    """Solves between two remixings or changes of solver, each from the fabric at the beginning.
 
-    Where no fabric is wanted in between, a load is solved from there for its grading alone: the way to a load does not
-    matter to its outcome, so the fabrics of the loads between need not be computed.
+    The way to a load does not matter to its outcome, so one solve to the largest load so far gives it. A fabric is
+    computed where it is asked for, and whether it is changes no bit of any outcome.
     """
 
     def __init__(self, solver: QuasiStatic, fabric: Fabric, crushed: float) -> None:
@@ -84,29 +84,37 @@ class _Segment:
         self._fabric = fabric
         self._crushed = crushed
         self._largest = 0.0
-        self._reached: float | None = None
+        self._latest: tuple[Fabric, float] | None = None  # after the largest load, where it is known
 
     def after(self, load: float, *, with_fabric: bool) -> Outcome:
-        """Outcome of one more load: one solve to the largest so far."""
-        self._largest = max(self._largest, load)
+        """Outcome of one more load."""
+        self._raise_to(load)
         if not with_fabric:
             after = self.solver.grading_after(self._fabric, self._largest)
             crushed = self._crushed + after.report.crushed
             grainsize = after.grainsize
             return Outcome(grainsize, crushed, mass_error(grainsize), tuple(after.points), after.report)
         fabric, report = self.solver.solve(self._fabric, self._largest), self.solver.report
-        grainsize = fabric.grainsize()
-        outcome = Outcome(
-            grainsize, self._crushed + report.crushed, mass_error(grainsize), tuple(fabric.points), report, fabric
-        )
-        self._fabric, self._crushed, self._reached = fabric, outcome.crushed, self._largest
-        return outcome
+        grainsize, crushed = fabric.grainsize(), self._crushed + report.crushed
+        self._latest = fabric, crushed
+        return Outcome(grainsize, crushed, mass_error(grainsize), tuple(fabric.points), report, fabric)
+
+    def skip(self, load: float, outcome: Outcome) -> None:
+        """Go past a load whose outcome is known."""
+        self._raise_to(load)
+        if outcome.fabric is not None:
+            self._latest = outcome.fabric, outcome.crushed
 
     def end(self) -> tuple[Fabric, float]:
         """Fabric after the last load, and the crushes a cell has been through by then."""
-        if self._reached != self._largest:
+        if self._latest is None:
             self.after(0.0, with_fabric=True)
-        return self._fabric, self._crushed
+            assert self._latest is not None
+        return self._latest
+
+    def _raise_to(self, load: float) -> None:
+        if load > self._largest:
+            self._largest, self._latest = load, None
 
 
 class Engines:
@@ -156,10 +164,6 @@ class ContinuumWalker:
         Scheme by which the continuum becomes bins; see `QuasiStatic`.
     recipe : Recipe
         Kernel and engine of each load of the path, and the steps a time-stepping engine takes.
-    crushed : float
-        Mean number of crushes a cell has been through by then.
-    engine : str
-        Engines that took the loads before, as `Result.engine` names them.
 
     Raises
     ------
@@ -167,22 +171,12 @@ class ContinuumWalker:
         For a load that the engine asked for cannot take.
     """
 
-    def __init__(
-        self,
-        fabric: Fabric,
-        material: Material,
-        scheme: Scheme,
-        recipe: Recipe,
-        *,
-        crushed: float = 0.0,
-        engine: str = "",
-    ) -> None:
+    def __init__(self, fabric: Fabric, material: Material, scheme: Scheme, recipe: Recipe) -> None:
         self._choices = choices(recipe)
         self._engines = Engines(fabric.grid, material, scheme)
-        self._engines.names += engine.split(SEPARATOR) if engine else []
         self._fabric = fabric
         self._steps = steps_of(recipe)
-        self._crushed = crushed
+        self._crushed = 0.0
         self._segment: _Segment | None = None
 
     @property
@@ -196,11 +190,27 @@ class ContinuumWalker:
         if name != "quasi-static":
             self._end_segment()
             return self._step(name, kind, load)
+        return self._segment_of(kind, load).after(load.stress_ratio, with_fabric=with_fabric)
+
+    def skip(self, load: Load, outcome: Outcome) -> None:
+        """Go past a load whose outcome is known, to the state in which taking it would have ended, in every bit."""
+        kind, name = self._choices[load.place]
+        if name == "quasi-static":
+            self._segment_of(kind, load).skip(load.stress_ratio, outcome)
+            return
+        self._end_segment()
+        if outcome.fabric is None:
+            self._step(name, kind, load)
+        else:
+            self._engines.stepper(name, kind, load.loading_rate)  # which names it
+            self._fabric, self._crushed = outcome.fabric, outcome.crushed
+
+    def _segment_of(self, kind: Kind, load: Load) -> _Segment:
         solver = self._engines.solver(1.0 if kind == "fast" else load.loading_rate)
         if self._segment is None or self._segment.solver is not solver:
             self._end_segment()
             self._segment = _Segment(solver, self._fabric, self._crushed)
-        return self._segment.after(load.stress_ratio, with_fabric=with_fabric)
+        return self._segment
 
     def remix(self) -> None:
         """Mix the packing anew."""

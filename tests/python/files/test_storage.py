@@ -121,8 +121,6 @@ def test_running_again_gives_every_bit(start: str, options: dict[str, object], t
 
 def test_what_cannot_go_on_says_why(tmp_path: Path) -> None:
     result = simulation("sieves").run(stress_ratio=[1.0, 2.0], keep_fabrics=[0])
-    with pytest.raises(cm.ParameterError, match="the fabric after load 1 was not kept; add its index to keep_fabrics"):
-        result.resume(stress_ratio=3.0)
     with pytest.raises(cm.ParameterError, match=r"stress_ratio\[0\] is -1"):
         result.resume(stress_ratio=-1.0)
     bare = pickle.loads(pickle.dumps(result))

@@ -202,10 +202,10 @@ RUNS: list[tuple[Callable[[], object], str]] = [
     ),
     (
         lambda: simulate(stress_ratio=1, keep_fabrics="some"),
-        "keep_fabrics is 'some'; it must be 'all', 'last'",
+        "keep_fabrics is 'some'; it must be 'auto', 'all', 'last'",
     ),
     (
-        lambda: simulate(stress_ratio=[1, 2], keep_fabrics="last").fabric(0),
+        lambda: cm.Lattice(100, MATERIAL, cm.monodisperse(1.0)).run(stress_ratio=[1, 2], keep_fabrics="last").fabric(0),
         "the fabric after load 0 was not kept; add its index to keep_fabrics of run",
     ),
     (

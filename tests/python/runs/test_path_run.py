@@ -264,11 +264,7 @@ def test_the_runner_asks_for_what_is_wanted_and_keeps_that() -> None:
     assert run.result() == [-1, 2, -3]
 
 
-def test_a_chained_run_asks_for_every_fabric_and_may_keep_the_latest() -> None:
-    diary = Diary()
-    run = PathRun(diary, PATH, kept, wanted=frozenset([0]), chained=True)
-    assert [run.result() for _ in run] == [[1], [1, -2], [1, -2, -3]]
-    assert all(duty == "remix" or duty.endswith("with fabric") for duty in diary.duties)
+def test_a_run_may_keep_the_latest_fabric() -> None:
     run = PathRun(Diary(), PATH, kept, wanted=frozenset([0]), keep_latest=True)
     assert [run.result() for _ in run] == [[1], [1, 2], [1, -2, 3]]
 
