@@ -55,8 +55,9 @@ np.float64(1.0)
                            "psi_min"_a = standard.psi_min, "psi_max"_a = standard.psi_max));
     m.def(
         "fitting_grid",
-        [](const Grading& grading, const Material& material, double max_stress_ratio, double spacing,
-           std::optional<Index> bins, std::optional<double> psi_min, std::optional<double> psi_max) {
+        [](const Grading& grading, const Material& material, double max_stress_ratio,
+           std::optional<double> spacing, std::optional<Index> bins, std::optional<double> psi_min,
+           std::optional<double> psi_max) {
             return fitting_grid(grading, material, max_stress_ratio,
                                 GridOptions{spacing, bins, psi_min, psi_max});
         },
@@ -75,9 +76,9 @@ grading : Grading
 material : Material
 max_stress_ratio : float
     Largest load to come, >= 0; finite, unless bins and both ends are given.
-spacing : float
-    Wanted bin width in psi; the grid's is no larger, unless that would take more than 2000 bins or
-    `bins` is given.
+spacing : float, optional
+    Wanted bin width in psi; left out, 0.02, or `needed_spacing` where that is narrower. The grid's is no larger, unless
+    that would take more than 4000 bins or `bins` is given.
 bins : int, optional
     Number of bins, >= 8.
 psi_min, psi_max : float, optional
@@ -100,6 +101,38 @@ Examples
 (0.0, True)
 >>> cm.fitting_grid(cm.gap_graded(1.0, 0.1), cm.Material(), 1e4, bins=256).bins
 256
+)doc");
+    m.def(
+        "needed_spacing",
+        [](const Material& material, const std::optional<Grading>& grading) {
+            return grading ? needed_spacing(*grading, material) : needed_spacing(material);
+        },
+        py::arg("material"), py::arg("grading") = py::none(),
+        R"doc(Bin width that a fragment law and a grading need, so that curves are good to some 2e-3.
+
+A twelfth of the range in ln s that holds the middle 68 % of the mass, a tenth of a sieve interval that holds a fifth of it, a
+twenty-second part of the range of ln X that holds the middle 68 % of the fragments; exact sizes need none. Errors grow as the width's
+square.
+
+Parameters
+----------
+material : Material
+    Its fragment law is resolved.
+grading : Grading, optional
+    Start; left out, the law alone counts.
+
+Returns
+-------
+float
+    Width in psi; 0 where all fragments are of one relative size, which no bins resolve.
+
+Examples
+--------
+>>> import comminute as cm
+>>> round(cm.needed_spacing(cm.Material(), cm.uniform_size(0.95, 1.0)), 4)
+0.0029
+>>> cm.needed_spacing(cm.Material()) > 0.05
+True
 )doc");
     m.def(
         "_curve_on_grid",

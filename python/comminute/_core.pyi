@@ -410,11 +410,12 @@ def fitting_grid(
     material: Material,
     max_stress_ratio: float,
     *,
-    spacing: float = ...,
+    spacing: float | None = ...,
     bins: int | None = ...,
     psi_min: float | None = ...,
     psi_max: float | None = ...,
 ) -> LogGrid: ...
+def needed_spacing(material: Material, grading: Grading | None = ...) -> float: ...
 def percentile(
     grid: LogGrid,
     cdf: _Floats,

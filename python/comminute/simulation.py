@@ -112,7 +112,7 @@ class Simulation:
         fabric = self.initial_fabric(max_stress_ratio)
         if isinstance(self.start, Grading):
             return Setup.mixed(self.material, self.start, fabric, self.scheme)
-        return Setup(self.material, fabric, self.scheme)
+        return Setup.of_fabric(self.material, fabric, self.scheme)
 
     @suggests_keywords
     def run(
@@ -168,7 +168,8 @@ class Simulation:
         Warns
         -----
         ResolutionWarning
-            If more than 1 % of the mass ends in the fines bin, or the crush zone reaches it.
+            If more than 1 % of the mass ends in the fines bin, if curves are off by more than 1e-3 because neighbours
+            there are judged wrongly, or if the bins are too wide for the start or the fragments.
         """
         path = load_path(self.material, stress_ratio, stress, loading_rate, remix_after)
         require_word("engine", engine, EngineName)

@@ -82,7 +82,7 @@ def seeds(kind: str) -> list[bytes]:
     if kind == "toml":
         return [*(path.read_bytes() for path in sorted(SANDS.glob("*.toml"))), EXTRA_CASE]
     with tempfile.TemporaryDirectory() as folder:
-        result = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1), grid=cm.LogGrid(-4.0, 0.0, 20)).run(
+        result = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1), grid=cm.LogGrid(-4.0, 0.0, 60)).run(
             stress_ratio=[1, 8]
         )
         return [result.save(Path(folder, "run.nc")).read_bytes()]
@@ -165,7 +165,7 @@ def read_nc(path: Path) -> None:
         return
     global _saved  # noqa: PLW0603  (made once a process)
     if _saved is None:
-        _saved = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1), grid=cm.LogGrid(-4.0, 0.0, 20)).run(
+        _saved = cm.Simulation(cm.Material(), cm.gap_graded(1.0, 0.1), grid=cm.LogGrid(-4.0, 0.0, 60)).run(
             stress_ratio=[1, 8]
         )
     assert found == _saved, "a damaged file was read as another result"

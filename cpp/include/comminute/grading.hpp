@@ -205,10 +205,27 @@ enum class PointHandling {
 COMMINUTE_API Fabric mixed_fabric(const Grading& grading, const LogGrid& grid, Mean mean = Mean::arithmetic,
                                   PointHandling points = PointHandling::exact);
 
+/// Widest bins of a grid that nobody asked for.
+inline constexpr double usual_spacing = 0.02;
+
+/// Bin width that a grading and a fragment law need, so that curves are good to some 2e-3: a twelfth of the range in ln s
+/// that holds the middle 68 % of the mass, a tenth of a sieve interval that holds a fifth of it, a twenty-second part of the
+/// range of ln X that holds the middle 68 % of the fragments. Point masses need none. Errors grow as the width's square.
+/// @returns > 0; 0 where the fragments are all of one relative size, which no bins resolve
+///
+/// @code{.cpp}
+/// CHECK(comminute::needed_spacing(comminute::fuller(2.0), comminute::Material{}) > comminute::usual_spacing);
+/// CHECK(comminute::needed_spacing(comminute::uniform_size(0.95, 1.0), comminute::Material{}) < 0.003);
+/// @endcode
+COMMINUTE_API double needed_spacing(const Grading& grading, const Material& material);
+/// The same of the fragment law alone, for a start that is a fabric.
+COMMINUTE_API double needed_spacing(const Material& material);
+
 /// Constraints on a fitting grid; fitting_grid() chooses whatever is not given.
 struct GridOptions {
-    /// Wanted bin width, > 0. The grid's is no larger, unless that would take more than 2000 bins or `bins` is given.
-    double spacing = 0.02;
+    /// Wanted bin width, > 0; none: `usual_spacing`, or `needed_spacing` where that is narrower. The grid's is no larger,
+    /// unless that would take more than 4000 bins or `bins` is given.
+    std::optional<double> spacing = std::nullopt;
     std::optional<Index> bins = std::nullopt;      ///< number of bins, >= 8
     std::optional<double> psi_min = std::nullopt;  ///< log size at the centre of the fines bin
     std::optional<double> psi_max = std::nullopt;  ///< log size at the last centre

@@ -13,7 +13,7 @@ using namespace detail;
 
 namespace {
 
-constexpr Index most_bins = 2000;         // of a grid that nobody asked for: its state takes 32 MB
+constexpr Index most_bins = 4000;         // of a grid that nobody asked for: its state takes 128 MB
 constexpr Index most_bins_given = 10000;  // of one whose ends are given: 800 MB
 constexpr double negligible = 1e-3;       // share of the grains that may start in the fines bin
 constexpr double deepest = 25.0;          // below the top, for a tail that hardly falls
@@ -42,7 +42,11 @@ LogGrid free_grid(const SizeRange& sizes, const Material& material, double max_s
     const double bottom = std::min({sizes.finest, finest_fragment(material, top + spacing, max_stress_ratio),
                                     top - 8.0 * spacing}) -
                           8.0 * spacing;
-    double h = std::max(spacing, (top - bottom) / static_cast<double>(most_bins - 1));
+    const double narrowest = (top - bottom) / static_cast<double>(most_bins - 1);
+    double h = std::max(spacing, narrowest);
+    if (sizes.jump > 0.0)
+        h = sizes.jump /
+            std::max(1.0, std::min(std::ceil(sizes.jump / h), std::floor(sizes.jump / narrowest)));
     const auto* points = sizes.points;
     if (points != nullptr && points->size.size() > 1) {
         const double gap = top - std::log(points->size[points->size.size() - 2]);
@@ -54,6 +58,51 @@ LogGrid free_grid(const SizeRange& sizes, const Material& material, double max_s
     const double psi_max = points != nullptr ? top : top - 0.5 * h;
     const auto below_top = static_cast<Index>(std::ceil((psi_max - bottom) / h));
     return {psi_max - static_cast<double>(below_top) * h, psi_max, below_top + 1};
+}
+
+/// Range that holds the middle 68 % of a law, which is two standard deviations of a normal one.
+template <class Quantile>
+double middle(const Quantile& quantile) {
+    return quantile(0.84) - quantile(0.16);
+}
+
+/// Bin width that resolves a grading.
+double resolving(const Grading& grading) {
+    double needed = std::numeric_limits<double>::infinity();
+    if (std::holds_alternative<PointMasses>(grading.law)) return needed;
+    needed = middle([&](double share) { return std::log(grading.quantile(share)); }) / 12.0;
+    if (const auto* curve = std::get_if<SieveCurve>(&grading.law)) {
+        for (std::size_t q = 1; q < curve->size.size(); ++q) {
+            if (curve->finer_than[q] - curve->finer_than[q - 1] < 0.2) continue;
+            needed = std::min(needed, std::log(curve->size[q] / curve->size[q - 1]) / 10.0);
+        }
+    }
+    return needed;
+}
+
+/// Distance in ln s from the largest grain to the place at which the density of a grading jumps most; 0 where it does not
+/// jump, or so far down that it matters to no grain above.
+double largest_jump(const Grading& grading) {
+    double place = 0.0;
+    if (const auto* law = std::get_if<PowerLawGrading>(&grading.law); law != nullptr && law->smallest > 0.0)
+        place = std::log(law->largest / law->smallest);
+    if (const auto* curve = std::get_if<SieveCurve>(&grading.law)) {
+        double above = 0.0;
+        double most = 0.0;
+        for (std::size_t q = curve->size.size() - 1; q > 0; --q) {
+            const double length = std::log(curve->size[q] / curve->size[q - 1]);
+            const double density = (curve->finer_than[q] - curve->finer_than[q - 1]) / length;
+            const double jump = std::abs(density - above);
+            if (q + 1 < curve->size.size() && jump > most) {
+                most = jump;
+                place = std::log(curve->size.back() / curve->size[q]);
+            }
+            above = density;
+        }
+        const bool ends = curve->finer_than.front() == 0.0;  // below the finest sieve there is nothing
+        if (ends && above > most) place = std::log(curve->size.back() / curve->size.front());
+    }
+    return place < deepest ? place : 0.0;
 }
 
 Index bins_for(double span, double spacing) {
@@ -90,6 +139,18 @@ LogGrid completed(const LogGrid& fitted, const SizeRange& sizes, const GridOptio
 
 }  // namespace
 
+double needed_spacing(const Material& material) {
+    return middle([&](double share) {
+               return std::visit([share](const auto& law) { return law.quantile(share); },
+                                 material.fragments);
+           }) /
+           22.0;
+}
+
+double needed_spacing(const Grading& grading, const Material& material) {
+    return std::min(resolving(grading), needed_spacing(material));
+}
+
 SizeRange detail::spread_between(double smallest, double largest) {
     const double top = std::log(largest);
     const double bottom = std::log(smallest);
@@ -102,7 +163,8 @@ LogGrid detail::grid_over(const SizeRange& sizes, const Material& material, doub
     if (options.bins) require(*options.bins >= 8, "bins", static_cast<double>(*options.bins), "at least 8");
     if (options.bins && options.psi_min && options.psi_max)
         return {*options.psi_min, *options.psi_max, *options.bins};
-    const LogGrid fitted = free_grid(sizes, material, max_stress_ratio, options.spacing);
+    const double spacing = options.spacing.value_or(std::min(usual_spacing, sizes.needed));
+    const LogGrid fitted = free_grid(sizes, material, max_stress_ratio, spacing);
     if (!options.bins && !options.psi_min && !options.psi_max) return fitted;
     return completed(fitted, sizes, options);
 }
@@ -112,8 +174,9 @@ LogGrid fitting_grid(const Grading& grading, const Material& material, double ma
     const double top = std::log(grading.largest());
     const double finest =
         std::log(std::max(grading.smallest(negligible), grading.largest() * std::exp(-deepest)));
-    return grid_over({top, finest, std::get_if<PointMasses>(&grading.law)}, material, max_stress_ratio,
-                     options);
+    const SizeRange sizes{top, finest, std::get_if<PointMasses>(&grading.law), largest_jump(grading),
+                          needed_spacing(grading, material)};
+    return grid_over(sizes, material, max_stress_ratio, options);
 }
 
 LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,

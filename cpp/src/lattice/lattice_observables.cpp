@@ -136,6 +136,7 @@ LogGrid LatticeState::fitting_grid(double max_stress_ratio, const GridOptions& o
     const PointMasses one_size{{largest}, {1.0}};
     SizeRange sizes = spread_between(smallest, largest);
     if (smallest == largest) sizes.points = &one_size;
+    sizes.needed = needed_spacing(material_);
     return grid_over(sizes, material_, max_stress_ratio, options);
 }
 

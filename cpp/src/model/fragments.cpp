@@ -29,7 +29,9 @@ void require_positive(const char* parameter, double value) {
 
 // A law is narrow in a bin that would take more panels than this, and is then integrated where it has its mass alone.
 constexpr double most_panels = 16.0;
-constexpr double negligible_share = 0x1p-53;
+// The fine tail keeps all its digits down to this share; the coarse one ends at the rounding of 1.
+constexpr double negligible_finer = 1e-300;
+constexpr double negligible_coarser = 0x1p-53;
 
 // Mean over the bin [lower, lower + h] in r of weight(u) times the law's density or cdf, u = (r - lower) / h, split
 // where those have kinks; `coarser` is what f is where all the law's mass is finer. In u, not in r, since far down the tail r/h has no digits left for the weight.
@@ -46,8 +48,8 @@ Value mean_over_bin(const Law& law, const std::vector<double>& kinks, double low
         double from = begin;
         double to = end;
         if ((to - from) * h > most_panels * law.smooth_length()) {
-            from = std::clamp((law.quantile(negligible_share) - lower) / h, begin, end);
-            to = std::clamp((law.quantile(1.0 - negligible_share) - lower) / h, begin, end);
+            from = std::clamp((law.quantile(negligible_finer) - lower) / h, begin, end);
+            to = std::clamp((law.quantile(1.0 - negligible_coarser) - lower) / h, begin, end);
             sum += Value(zero + (end - to) * coarser);
         }
         const int panels = static_cast<int>(std::ceil((to - from) * h / law.smooth_length()));

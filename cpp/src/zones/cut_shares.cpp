@@ -58,7 +58,7 @@ double cut_share(const CutShell& cut, Index distance) {
         const auto within = [&](double u) { return std::min(lower.root * u, cut.tip + u * u - low); };
         return std::clamp(2.0 * integral(begin, end, lower.passes(low), within) / (width * width), 0.0, 1.0);
     }
-    const double partner = static_cast<double>(cut.shell - distance);
+    const auto partner = static_cast<double>(cut.shell - distance);
     const auto [a, b] = lower.passes(partner + 0.5);
     const auto [c, d] = lower.passes(partner - 0.5);
     const auto covered = [&](double u) { return std::clamp(partner + 0.5 - lower.at(u), 0.0, 1.0); };

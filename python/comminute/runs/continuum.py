@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from comminute._core import Fabric, Grading, Material
+import numpy as np
+
+from comminute._core import Fabric, Grading, Material, needed_spacing
 from comminute.gradings.curves import SizeCurve
+from comminute.runs.fines_bin import spoiled_below
 from comminute.runs.load_path import LoadPath
 from comminute.runs.outcomes import Outcome, outcomes_of, rows
 from comminute.runs.path_run import PathRun
 from comminute.runs.recipe import Recipe
-from comminute.runs.remarks import explained, resolution_warnings
+from comminute.runs.remarks import explained, fines_warnings, reach_warnings, spacing_warnings
 from comminute.runs.results import ResultData
 from comminute.runs.walk import ContinuumWalker
 from comminute.util.choices import Scheme
@@ -38,6 +42,10 @@ class Setup:
         Assumptions made about the start, to stand first in the notes of the result.
     measured : SizeCurve, optional
         Sieve data that the start was made of.
+    needed_spacing : float
+        Bin width that the start and the fragments need; see `comminute.needed_spacing`.
+    grading : Grading, optional
+        The start is a random mixture of its grains, where it is known.
     """
 
     material: Material
@@ -46,12 +54,20 @@ class Setup:
     unit: str = ""
     notes: tuple[str, ...] = ()
     measured: SizeCurve | None = None
+    needed_spacing: float = math.inf
+    grading: Grading | None = None
 
     @classmethod
     def mixed(cls, material: Material, grading: Grading, start: Fabric, scheme: Scheme) -> Setup:
         """Give the setup of a run from a grading, which `start` is made of."""
         measured = SizeCurve.of(grading) if grading.measured else None
-        return cls(material, start, scheme, grading.unit, grading.notes, measured)
+        needed = needed_spacing(material, grading)
+        return cls(material, start, scheme, grading.unit, grading.notes, measured, needed, grading)
+
+    @classmethod
+    def of_fabric(cls, material: Material, start: Fabric, scheme: Scheme) -> Setup:
+        """Give the setup of a run from a fabric."""
+        return cls(material, start, scheme, needed_spacing=needed_spacing(material))
 
 
 def setup_of(result: ResultData) -> Setup:
@@ -59,7 +75,8 @@ def setup_of(result: ResultData) -> Setup:
     said_of_loads = explained(result.stress_ratio, result.crushes)
     notes = tuple(note for note in result.notes if note not in said_of_loads)
     scheme: Scheme = result.scheme  # type: ignore[assignment]
-    return Setup(result.material, result.start, scheme, result.unit, notes, result.measured)
+    needed = result.recipe.needed_spacing if result.recipe else needed_spacing(result.material)
+    return Setup(result.material, result.start, scheme, result.unit, notes, result.measured, needed)
 
 
 def recipe_of(result: ResultData) -> Recipe:
@@ -118,7 +135,13 @@ def continuum_run(
             return earlier
         fields = rows(path, outcomes)
         ratios, crushes = fields["stress_ratio"], fields["crushes"]
-        warnings = resolution_warnings(setup.start.grid, setup.material, ratios, fields["pmf"], setup.unit)
+        curves = np.cumsum(fields["pmf"], axis=1)
+        spoiled = spoiled_below(setup.start, setup.grading, setup.material, setup.scheme, path, recipe, curves)
+        warnings = [
+            *spacing_warnings(setup.start.grid, setup.needed_spacing),
+            *fines_warnings(setup.start.grid, float(setup.start.grainsize()[0]), ratios, fields["pmf"], setup.unit),
+            *reach_warnings(spoiled, float(ratios.max()), setup.unit),
+        ]
         return make(
             material=setup.material,
             grid=setup.start.grid,
@@ -128,7 +151,7 @@ def continuum_run(
             scheme=setup.scheme,
             notes=(*setup.notes, *explained(ratios, crushes)),
             warnings=tuple(warnings),
-            recipe=recipe.of_first(len(outcomes)),
+            recipe=replace(recipe.of_first(len(outcomes)), needed_spacing=setup.needed_spacing),
             measured=setup.measured,
             **fields,
         )

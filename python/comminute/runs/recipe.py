@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, Self
 
@@ -50,6 +51,8 @@ class Recipe:
         Steps of a time-stepping engine at each load.
     by_stress : bool
         The loads were given as stresses; not compared, since the same loads may be given either way.
+    needed_spacing : float
+        Bin width that the start and the fragments need (`comminute.needed_spacing`); not compared.
     stress_unit : str
         Unit of the stresses, as text.
     case : str
@@ -62,6 +65,7 @@ class Recipe:
     kind: Kind | None = None
     steps_per_load: int | Literal["rest"] = "rest"
     by_stress: bool = field(default=False, compare=False)
+    needed_spacing: float = field(default=math.inf, compare=False)
     stress_unit: str = ""
     case: str = ""
 

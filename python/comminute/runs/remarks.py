@@ -7,16 +7,19 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import CrushZones, LogGrid, Material
+from comminute._core import LogGrid
 from comminute.runs.results import ResultData
 
 Floats = npt.NDArray[np.float64]
 
+NEEDED_ERROR = 2e-3  # error of a curve whose bins are as wide as `needed_spacing`; it grows as the width's square
+NEGLIGIBLE_ERROR = 5e-3  # expected error below which nothing is said
+MOST_ERROR = 0.5  # of a curve, however coarse its bins
 FINES_LIMIT = 0.01  # share of the mass in the fines bin above which a result warns
 
 
 class ResolutionWarning(UserWarning):
-    """Curves near the grid's lower end are not to be trusted; the message says below which size."""
+    """Curves are less exact than a user expects; the message says below which size, or by how much."""
 
 
 def load_labels(result: ResultData) -> tuple[str, list[str]]:
@@ -46,22 +49,46 @@ def explained(loads: Floats, crushes: Floats) -> list[str]:
     return notes
 
 
-def resolution_warnings(grid: LogGrid, material: Material, loads: Floats, pmf: Floats, unit: str) -> list[str]:
-    """One line for each way in which the fines bin spoils the curves, with the size below which it does."""
-    in_unit = f" {unit}" if unit else ""
-    found = []
+def spacing_warnings(grid: LogGrid, needed: float) -> list[str]:
+    """One line where bins are wider than the start and the fragments need, with the error to expect."""
+    expected = NEEDED_ERROR * (grid.spacing / needed) ** 2 if needed > 0.0 else math.inf
+    if not expected > NEGLIGIBLE_ERROR:
+        return []
+    need = f"need {needed:.2g}" if needed > 0.0 else "need bins without end"
+    error = f"of about {expected:.1g}" if expected < MOST_ERROR else f"up to {MOST_ERROR}"
+    return [
+        f"bins are {grid.spacing:.2g} wide in ln(size), where the start and the fragments {need}: expect errors "
+        f"{error} in the mass finer than a size; take more bins"
+    ]
+
+
+def fines_warnings(grid: LogGrid, first_fines: float, loads: Floats, pmf: Floats, unit: str) -> list[str]:
+    """One line where much of the mass is too fine for the grid, with what that spoils."""
+    if first_fines > FINES_LIMIT:
+        return [
+            f"{100 * first_fines:.3g} % of the start lies in the fines bin: curves below a size of "
+            f"{grid.edge_sizes[1]:.3g}{_in(unit)} are not to be trusted, and grains beside such fines are judged "
+            "wrongly; lower psi_min"
+        ]
     worst = int(np.argmax(pmf[:, 0]))
-    if pmf[worst, 0] > FINES_LIMIT:
-        found.append(
-            f"{100 * pmf[worst, 0]:.3g} % of the mass lies in the fines bin at stress ratio "
-            f"{loads[worst]:g}: curves below a size of {grid.edge_sizes[1]:.3g}{in_unit} are not to be "
-            "trusted; lower psi_min"
-        )
-    distrusted = CrushZones(grid, material, float(loads.max())).distrusted_below
-    if distrusted > -math.inf:
-        size = math.exp(min(distrusted, 700.0))
-        found.append(
-            f"the crush zone reaches the fines bin at stress ratio {loads.max():g}: curves below a size of "
-            f"{size:.3g}{in_unit} are not exact; lower psi_min"
-        )
-    return found
+    if not pmf[worst, 0] > FINES_LIMIT:
+        return []
+    return [
+        f"{100 * pmf[worst, 0]:.3g} % of the mass lies in the fines bin at stress ratio {loads[worst]:.4g}: curves "
+        f"below a size of {grid.edge_sizes[1]:.3g}{_in(unit)} are not to be trusted; lower psi_min"
+    ]
+
+
+def reach_warnings(spoiled: tuple[float, float] | None, load: float, unit: str) -> list[str]:
+    """One line where the crush zone reaches the fines bin, with the error of the curves and where it ends."""
+    if spoiled is None:
+        return []
+    size, error = spoiled
+    return [
+        f"neighbours in the fines bin are judged as if they had its size: curves below a size of {size:.3g}{_in(unit)} "
+        f"are off by up to {error:.1g} at stress ratios up to {load:.4g}; lower psi_min"
+    ]
+
+
+def _in(unit: str) -> str:
+    return f" {unit}" if unit else ""

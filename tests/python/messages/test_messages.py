@@ -1,6 +1,7 @@
 """Every mistake a user can make, and the exact words that answer it: value, rule, remedy."""
 
 import math
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -307,17 +308,26 @@ def test_an_assumed_tail_and_an_extended_top_are_said() -> None:
 
 def test_fines_are_warned_of_with_their_share_and_size() -> None:
     sim = cm.Simulation(MATERIAL, cm.power_law(2.5, 1e-3, 1.0), grid=cm.LogGrid(-3.0, 0.1, 156))
-    words = r"^[0-9.]+ % of the mass lies in the fines bin at stress ratio 2: curves below a size of 0\.0503 are not"
+    words = r"^[0-9.]+ % of the start lies in the fines bin: curves below a size of 0\.0503 are not"
     with pytest.warns(cm.ResolutionWarning, match=words):
         result = sim.run(stress_ratio=2.0)
     assert len(result.warnings) == 1
-
-
-def test_a_zone_that_reaches_the_fines_bin_is_warned_of() -> None:
-    sim = cm.Simulation(MATERIAL, cm.monodisperse(1.0), grid=cm.LogGrid(-6.0, 1.0, 351))
-    words = "the crush zone reaches the fines bin at stress ratio 10000: curves below a size of 0.00321 are not exact"
+    wide = cm.Material(fabric_width=0.2)
+    crushed = cm.Simulation(wide, cm.power_law(2.5, 0.06, 1.0), grid=cm.LogGrid(-3.0, 0.1, 156))
+    words = r"^[0-9.]+ % of the mass lies in the fines bin at stress ratio 10: curves below a size of 0\.0503 are not"
     with pytest.warns(cm.ResolutionWarning, match=words):
-        sim.run(stress_ratio=[1e4])
+        crushed.run(stress_ratio=10.0)
+
+
+def test_neighbours_in_the_fines_bin_are_warned_of_where_they_matter() -> None:
+    sim = cm.Simulation(cm.Material(fabric_width=1.0), cm.monodisperse(1.0), grid=cm.LogGrid(-6.0, 1.0, 351))
+    words = (
+        "neighbours in the fines bin are judged as if they had its size: curves below a size of 0.03[0-9]* "
+        "are off by up to 0.2 at stress ratios up to 1000"
+    )
+    with pytest.warns(cm.ResolutionWarning) as warned:
+        sim.run(stress_ratio=[1e3])
+    assert [bool(re.match(words, str(warning.message))) for warning in warned] == [False, True]
 
 
 @pytest.mark.parametrize(
