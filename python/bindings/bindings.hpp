@@ -12,6 +12,9 @@ namespace py = pybind11;
 
 void register_errors(py::module_& m);
 
+/// The ParameterError of a fault, not raised.
+py::object parameter_error(const comminute::Fault& fault);
+
 // One function for each room of the library that Python sees, in the order of the rooms.
 void register_model(py::module_& m);
 void register_zones(py::module_& m);

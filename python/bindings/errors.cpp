@@ -30,9 +30,9 @@ std::string words_for_python(Remedy remedy) {
     return words.contains(name) ? words[py::str(name)].cast<std::string>() : words_of(remedy);
 }
 
-/// Sets the Python exception of a fault: its message in Python's words, its parts as attributes.
-void set_python_error(const py::object& type, const Fault& fault) {
-    const py::object error = type(message(fault, words_for_python(fault.remedy)));
+/// The Python exception of a fault: its message in Python's words, its parts as attributes.
+py::object error_of(const py::object& type, const Fault& fault) {
+    py::object error = type(message(fault, words_for_python(fault.remedy)));
     error.attr("parameter") = fault.parameter;
     error.attr("value") = fault.value;
     error.attr("number") = fault.number;
@@ -42,7 +42,11 @@ void set_python_error(const py::object& type, const Fault& fault) {
     error.attr("rule") = fault.rule;
     error.attr("place") = py::tuple(py::cast(fault.place));
     error.attr("remedy") = name_of(fault.remedy);
-    PyErr_SetObject(type.ptr(), error.ptr());
+    return error;
+}
+
+void set_python_error(const py::object& type, const Fault& fault) {
+    PyErr_SetObject(type.ptr(), error_of(type, fault).ptr());
 }
 
 void translate(std::exception_ptr thrown) {
@@ -84,6 +88,10 @@ std::string worded(std::string parameter, std::string value, std::string subject
 }
 
 }  // namespace
+
+py::object parameter_error(const Fault& fault) {
+    return error_of(errors().parameter_error, fault);
+}
 
 void register_errors(py::module_& m) {
     py::class_<Place>(m, "Place",

@@ -137,6 +137,7 @@ ParameterError
 )doc")
         .def("solve_batch", &Solver::solve_batch, py::arg("states"), py::arg("stress_ratio"),
              py::arg("settled_at") = py::none(), py::arg("out") = py::none(), py::arg("threads") = 1,
+             py::kw_only(), py::arg("bad_states") = "raise",
              R"doc(Many states at rest, each under a load of its own, as a host code's material points are.
 
 For each state it gives the very bits that `solve` gives, whatever the number of threads. States that
@@ -149,16 +150,20 @@ states : ndarray (B, N, N)
 stress_ratio : float or ndarray (B,)
     Loads, >= 0; a number is the load of all.
 settled_at : float or ndarray (B,), optional
-    Largest load under which each state is at rest, 0: never loaded. None: none was loaded.
+    Largest load under which each state is at rest, 0: never loaded. None: none was loaded. What it is for the new
+    states is the solver's `settled_at`.
 out : ndarray (B, N, N), optional
     Array for the new states; may be `states` itself.
 threads : int
     At most so many at a time.
+bad_states : {"raise", "keep"}
+    A load that is NaN or negative, or a state with an entry that is no mass: an error for all, or that state
+    stays as it is, `faults` says why, and the others are solved.
 
 Returns
 -------
 ndarray (B, N, N)
-    `reports` says how for each.
+    `reports` says how for each, `settled_at` under which load it is at rest.
 
 Raises
 ------
@@ -182,18 +187,27 @@ Examples
 True
 >>> [report.crushed > 0.0 for report in solver.reports]
 [True, True, True]
->>> further = solver.solve_batch(states, 200.0, settled_at=loads)
+>>> states = solver.solve_batch(states, 5.0, settled_at=solver.settled_at)  # unloads two of them
+>>> solver.settled_at
+array([  5.,  10., 100.])
+>>> states[1, 20, 20] = np.nan
+>>> states = solver.solve_batch(states, 200.0, solver.settled_at, out=states, bad_states="keep")
+>>> [str(fault) for fault in solver.faults.values()]
+['states[1, 20, 20] is nan; every entry must be finite']
+>>> solver.settled_at
+array([200.,  10., 200.])
 )doc")
         .def("marginal_batch", &Solver::marginal_batch, py::arg("states"), py::arg("stress_ratio"),
              py::arg("settled_at") = py::none(), py::arg("out") = py::none(), py::arg("threads") = 1,
+             py::kw_only(), py::arg("bad_states") = "raise",
              R"doc(Mass by grainsize of many states, each under a load of its own, without the states.
 
 For each it gives the very bits that `marginal` gives, whatever the number of threads.
 
 Parameters
 ----------
-states, stress_ratio, settled_at, threads
-    As for `solve_batch`.
+states, stress_ratio, settled_at, threads, bad_states
+    As for `solve_batch`; the grading of a bad state is NaN.
 out : ndarray (B, N), optional
     Array for the gradings; may not overlap `states`.
 
@@ -218,6 +232,17 @@ True
 )doc")
         .def_property_readonly("reports", &Solver::reports,
                                "List of SolveReport, one for each state of the last batch.")
+        .def_property_readonly(
+            "settled_at", [](Solver& s) { return copied(s.settled_at()); },
+            "(B,) load under which each state of the last batch is at rest, for the next.")
+        .def_property_readonly(
+            "faults",
+            [](Solver& s) {
+                py::dict errors;
+                for (const auto& [b, fault] : s.faults()) errors[py::int_(b)] = parameter_error(fault);
+                return errors;
+            },
+            "ParameterError of each state that the last batch left as it was, by its index.")
         .def_property_readonly("report", &Solver::report, "SolveReport of the last solve or marginal.")
         .def_property_readonly(
             "grid", [](const Solver& s) { return s.get().grid(); }, "The LogGrid.")

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "interrupt.hpp"
+#include "words.hpp"
 
 /// The arrays of a batch, held while it runs: (B, N, N) states, and a load of each or one for all.
 class ManyStates {
@@ -116,21 +119,23 @@ class Solver {
 
     py::array_t<double> solve_batch(const py::object& states, const py::object& stress_ratio,
                                     const py::object& settled_at, const py::object& out,
-                                    comminute::Index threads) {
+                                    comminute::Index threads, const std::string& bad_states) {
         const ManyStates given(states, stress_ratio, settled_at, solver_.grid().bins());
         auto after = strict_out(out, given.shape(), "out");
         const comminute::StackView<double> to(after.mutable_data(), given.count(), solver_.grid().bins());
-        run_batch(given, threads, [&](auto&&... rest) { batch_->solve(given.batch(), to, rest...); });
+        run_batch(given, threads, choice_of<BadStates>(bad_states),
+                  [&](auto&&... rest) { batch_->solve(given.batch(), to, rest...); });
         return after;
     }
 
     py::array_t<double> marginal_batch(const py::object& states, const py::object& stress_ratio,
                                        const py::object& settled_at, const py::object& out,
-                                       comminute::Index threads) {
+                                       comminute::Index threads, const std::string& bad_states) {
         const ManyStates given(states, stress_ratio, settled_at, solver_.grid().bins());
         auto after = strict_out(out, {given.count(), solver_.grid().bins()}, "out");
         const comminute::MatrixView<double> to = matrix_out(after);
-        run_batch(given, threads, [&](auto&&... rest) { batch_->marginal(given.batch(), to, rest...); });
+        run_batch(given, threads, choice_of<BadStates>(bad_states),
+                  [&](auto&&... rest) { batch_->marginal(given.batch(), to, rest...); });
         return after;
     }
 
@@ -140,16 +145,32 @@ class Solver {
         return reports_;
     }
 
+    std::vector<double> settled_at() {
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(mutex_);
+        return settled_at_;
+    }
+
+    std::map<comminute::Index, comminute::Fault> faults() {
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(mutex_);
+        return batch_ ? batch_->faults() : std::map<comminute::Index, comminute::Fault>();
+    }
+
   private:
     template <class Call>
-    void run_batch(const ManyStates& given, comminute::Index threads, const Call& call) {
+    void run_batch(const ManyStates& given, comminute::Index threads, BadStates bad, const Call& call) {
         const py::gil_scoped_release release;
         const std::lock_guard lock(mutex_);
         if (!batch_) batch_.emplace(solver_);
-        std::vector<comminute::SolveReport> reports(static_cast<std::size_t>(given.count()));
-        call(comminute::VectorView<comminute::SolveReport>(reports),
+        const auto count = static_cast<std::size_t>(given.count());
+        std::vector<comminute::SolveReport> reports(count);
+        std::vector<double> settled(count);
+        std::vector<comminute::StateStatus> status(bad == BadStates::keep ? count : 0);
+        call(comminute::BatchOutcome{settled, reports, status},
              comminute::BatchOptions{threads, Interrupt()});
         reports_ = std::move(reports);
+        settled_at_ = std::move(settled);
     }
 
     static void refuse_second_load(std::optional<double> settled_at) {
@@ -169,4 +190,5 @@ class Solver {
     std::mutex mutex_;
     comminute::SolveReport report_;
     std::vector<comminute::SolveReport> reports_;
+    std::vector<double> settled_at_;
 };

@@ -76,6 +76,16 @@ struct Words<comminute::PlanEffort> {
         {{"estimate", comminute::PlanEffort::estimate}, {"measure", comminute::PlanEffort::measure}}};
 };
 
+/// A batch answers bad states by an exception for all, or leaves each as it was.
+enum class BadStates { raise, keep };
+
+template <>
+struct Words<BadStates> {
+    static constexpr const char* parameter = "bad_states";
+    static constexpr std::array<std::pair<const char*, BadStates>, 2> list{
+        {{"raise", BadStates::raise}, {"keep", BadStates::keep}}};
+};
+
 /// @throws comminute::ParameterError naming the parameter and the words it knows
 template <class Choice>
 Choice choice_of(const std::string& word) {

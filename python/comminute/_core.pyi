@@ -483,6 +483,8 @@ class QuasiStatic:
         settled_at: float | _Floats | None = ...,
         out: _Floats | None = ...,
         threads: int = ...,
+        *,
+        bad_states: Literal["raise", "keep"] = ...,
     ) -> _Floats: ...
     def marginal_batch(
         self,
@@ -491,9 +493,15 @@ class QuasiStatic:
         settled_at: float | _Floats | None = ...,
         out: _Floats | None = ...,
         threads: int = ...,
+        *,
+        bad_states: Literal["raise", "keep"] = ...,
     ) -> _Floats: ...
     @property
     def reports(self) -> list[SolveReport]: ...
+    @property
+    def settled_at(self) -> _Floats: ...
+    @property
+    def faults(self) -> dict[int, ParameterError]: ...
     @property
     def report(self) -> SolveReport: ...
     @property

@@ -25,9 +25,9 @@ int main() {
     }
     const comminute::StackView<double> both(points.data(), 2, grid.bins());
     const std::vector<double> loads{2.0, 100.0};
-    const std::vector<double> never{0.0, 0.0};
+    std::vector<double> settled_at{0.0, 0.0};
     std::vector<comminute::SolveReport> said(2);
     comminute::BatchSolver batch(solver);
-    batch.solve({both, loads, never}, both, said);
+    batch.solve({both, loads, settled_at}, both, {settled_at, said});
     return report.crushed > 0.0 && steps.crushed > 0.0 && said[1].crushed > said[0].crushed ? 0 : 1;
 }

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <type_traits>
 #include <vector>
 
+#include "comminute/error.hpp"
 #include "comminute/export.hpp"
 #include "comminute/quasi_static.hpp"
 
@@ -41,6 +43,26 @@ struct Batch {
     VectorView<const double> settled_at;
 };
 
+/// Each state of a batch ends as one of these.
+enum class StateStatus : unsigned char {
+    waiting,    ///< the batch was stopped before it
+    at_rest,    ///< it was solved
+    bad_load,   ///< it stays as it was, since its load or the one it is at rest under is NaN or negative
+    bad_state,  ///< it stays as it was, since an entry is NaN, infinite, negative or far above 1
+};
+
+/// A batch says these things of each state beside the state itself. `solve` must be given `settled_at`; other lists may
+/// be empty.
+struct BatchOutcome {
+    /// (B) out: load under which the state is at rest now, which is what a material point has to remember; may be
+    /// `Batch::settled_at` itself
+    VectorView<double> settled_at = {nullptr, 0};
+    VectorView<SolveReport> reports = {nullptr, 0};  ///< (B) out
+    /// (B) out. Where it is given, a bad state or load is said here, that state stays as it was and the others are
+    /// solved; where it is not, the first bad one is an exception for all.
+    VectorView<StateStatus> status = {nullptr, 0};
+};
+
 /// How a batch is run.
 struct BatchOptions {
     Index threads = 1;  ///< >= 1, largest number of threads, each with a workspace of its own
@@ -55,7 +77,8 @@ struct BatchOptions {
 /// default it starts no thread; each takes some tens of microseconds to start, which pays from some hundred small states
 /// on.
 ///
-/// Begin-state in, end-state out, also in place. One object serves one caller at a time.
+/// Begin-state in, end-state out, also in place; of the loads under which the states are at rest too. One object serves
+/// one caller at a time.
 ///
 /// @code{.cpp}
 /// comminute::LogGrid grid(-6.0, 0.0, 32);
@@ -64,10 +87,12 @@ struct BatchOptions {
 /// std::vector<double> load{10.0, 100.0}, settled_at{0.0, 0.0};
 /// comminute::StackView<double> points(states.data(), 2, 32);
 /// std::vector<comminute::SolveReport> reports(2);
-/// solver.solve({points, load, settled_at}, points, reports);       // in place
-/// settled_at = load;                                               // what a point has to remember
+/// solver.solve({points, load, settled_at}, points, {settled_at, reports});       // in place
 /// CHECK(reports[1].crushed > reports[0].crushed);
 /// CHECK(reports[0].crushed > 0.0);
+/// load = {20.0, 5.0};                                              // the second is unloaded
+/// solver.solve({points, load, settled_at}, points, {settled_at, reports});
+/// CHECK(settled_at == std::vector<double>{20.0, 100.0});           // and remembers its largest load
 /// @endcode
 class COMMINUTE_API BatchSolver {
   public:
@@ -80,28 +105,35 @@ class COMMINUTE_API BatchSolver {
     /// Brings every state to rest.
     /// @param out      (B, N, N) states at rest under the larger of `stress_ratio` and `settled_at`; may be
     ///                 `batch.states` itself
-    /// @param reports  (B) out; empty to skip
-    /// @return         whether all states were solved; false where `go_on` stopped the batch
-    /// @throws ShapeError for sizes that do not fit or a partial overlap; ParameterError, naming the first index, for a
-    ///         bad load or an entry in the crush zone that is not finite. Both are thrown before anything is written;
-    ///         only masses so large that their sum overflows are found on the way
-    bool solve(const Batch& batch, StackView<double> out, VectorView<SolveReport> reports = {nullptr, 0},
+    /// @return         whether the batch ran to its end; false where `go_on` stopped it
+    /// @throws ShapeError for sizes that do not fit or a partial overlap; without a list of status also ParameterError,
+    ///         naming the first index, for a bad load or an entry in the crush zone that is no mass. Both are thrown
+    ///         before anything is written; only masses so large that their sum overflows are found on the way
+    bool solve(const Batch& batch, StackView<double> out, const BatchOutcome& outcome,
                const BatchOptions& options = {});
 
     /// Computes the grading of every state at rest, without the state.
-    /// @param grainsize  (B, N) out: mass by grainsize; may not overlap the states
+    /// @param grainsize  (B, N) out: mass by grainsize, of a bad state NaN; may not overlap the states
     /// @return, @throws  as solve()
-    bool marginal(const Batch& batch, MatrixView<double> grainsize,
-                  VectorView<SolveReport> reports = {nullptr, 0}, const BatchOptions& options = {});
+    bool marginal(const Batch& batch, MatrixView<double> grainsize, const BatchOutcome& outcome = {},
+                  const BatchOptions& options = {});
+
+    /// Gives the fault of each state that the last batch said to be bad, by its index.
+    const std::map<Index, Fault>& faults() const { return faults_; }
 
   private:
     using Work = std::function<void(QuasiStatic& worker, Index turn)>;
+    using Solve = std::function<SolveReport(QuasiStatic& worker, Index b)>;
+    using LeaveAlone = std::function<void(Index b)>;
 
-    void require_fit(const Batch& batch, VectorView<SolveReport> reports, const BatchOptions& options) const;
-    bool run(const Batch& batch, const BatchOptions& options, const Work& work);
+    void require_fit(const Batch& batch, const BatchOutcome& outcome, const BatchOptions& options) const;
+    bool run(const Batch& batch, const BatchOutcome& outcome, const BatchOptions& options, const Solve& solve,
+             const LeaveAlone& leave_alone);
+    bool refuse_bad(const Batch& batch, const BatchOptions& options);
     bool for_each_state(Index count, const BatchOptions& options, const Work& work);
 
     std::vector<QuasiStatic> workers_;
+    std::map<Index, Fault> faults_;
 };
 
 }  // namespace comminute

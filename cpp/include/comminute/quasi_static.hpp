@@ -97,11 +97,11 @@ class COMMINUTE_API QuasiStatic {
     Marginal marginal(const Fabric& state, double stress_ratio);
 
     /// Solves for a bare array, without point masses.
-    /// @param state       (N, N), entries in the zone must be finite
+    /// @param state       (N, N), entries in the zone must be finite and at least 0 (-1e-12 for rounding)
     /// @param settled_at  load under which it is at rest; none for a state that was never loaded
     /// @param out         (N, N) state at rest; may be `state` itself
-    /// @throws ShapeError for other shapes or a partial overlap; ParameterError for a bad load, or an entry in the zone
-    ///         that is not finite, and the numbers in `out` then have no meaning
+    /// @throws ShapeError for other shapes or a partial overlap; ParameterError for a bad load, an entry in the
+    ///         zone that is no mass, or masses whose sum overflows; after the last, `out` has no meaning
     SolveReport solve(MatrixView<const double> state, double stress_ratio, std::optional<double> settled_at,
                       MatrixView<double> out);
     /// The grading at rest for a bare array.

@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
+#include <limits>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "base/workers.hpp"
+#include "sweeping/mass_check.hpp"
 #include "zones/active_band.hpp"
 
 namespace comminute {
@@ -38,15 +40,42 @@ void require_count(Index found, Index count, const char* list) {
     require_entries(found, count, entry(list), "there are " + std::to_string(count) + " states");
 }
 
+bool is_load(double load) {
+    return load >= 0.0;
+}
+
+Fault load_fault(double load, const char* list, Index b) {
+    return {.parameter = list,
+            .value = text(load),
+            .number = load,
+            .rule = "it must be a number of at least 0 (0 is no load)",
+            .place = {entry(list, {b})}};
+}
+
 void require_loads(VectorView<const double> loads, const char* list) {
     for (Index b = 0; b < loads.size(); ++b) {
-        if (loads[b] >= 0.0) continue;
-        throw ParameterError({.parameter = list,
-                              .value = text(loads[b]),
-                              .number = loads[b],
-                              .rule = "it must be a number of at least 0 (0 is no load)",
-                              .place = {entry(list, {b})}});
+        if (!is_load(loads[b])) throw ParameterError(load_fault(loads[b], list, b));
     }
+}
+
+/// A reason not to solve a state, and its fault.
+struct Bad {
+    StateStatus status;
+    Fault fault;
+};
+
+std::optional<Bad> bad_of(const Batch& batch, Index b) {
+    if (!is_load(batch.stress_ratio[b])) {
+        return Bad{StateStatus::bad_load, load_fault(batch.stress_ratio[b], "stress_ratio", b)};
+    }
+    if (const double settled = settled_at(batch, b).value_or(0.0); !is_load(settled)) {
+        return Bad{StateStatus::bad_load, load_fault(settled, "settled_at", b)};
+    }
+    if (const auto bad = first_bad_mass(batch.states[b])) {
+        const auto [i, j] = *bad;
+        return Bad{StateStatus::bad_state, mass_fault(batch.states[b](i, j), "states", {b, i, j}, false)};
+    }
+    return std::nullopt;
 }
 
 template <class T>
@@ -72,61 +101,29 @@ MatrixView<T> by_state(StackView<T> stack) {
     return {stack.data(), stack.count(), stack.bins() * stack.bins(), stack.stride()};
 }
 
-/// Search for entries in the crush zone that are not finite, before any state is written.
-class FiniteCheck {
+/// Search for entries in the crush zone that are no masses, before any state is written.
+class ZoneCheck {
   public:
-    FiniteCheck(const QuasiStatic& solver, const Batch& batch)
-        : batch_(batch),
-          largest_(solver.grid(), solver.material(), solver.options().scheme),
-          begin_(solver.grid().bins()),
-          end_(begin_.size()) {
+    ZoneCheck(const QuasiStatic& solver, const Batch& batch)
+        : batch_(batch), largest_(solver.grid(), solver.material(), solver.options().scheme) {
         double load = 0.0;
         for (Index b = 0; b < batch.states.count(); ++b) {
             if (moves(batch, b)) load = std::max(load, batch.stress_ratio[b]);
         }
         largest_.set_load(load);
-        for (Index m = 0; m < solver.grid().bins(); ++m) {
-            const Index reach = m - largest_.last(m);
-            begin_[m] = reach;
-            for (Index i = reach; i <= m; ++i) end_[i] = m + 1;
-        }
     }
 
-    bool passes(Index b) const {
-        // Zones are nested, so a state that is finite in the largest zone is finite in its own.
-        if (!moves(batch_, b) || !first_bad(b, nullptr)) return true;
-        const ActiveBand own = zone_of(b);
-        return !first_bad(b, &own);
-    }
-
-    void refuse(Index b) const {
-        const ActiveBand own = zone_of(b);
-        const auto [i, j] = *first_bad(b, &own);
-        require_finite(batch_.states[b](i, j), "states", {b, i, j});
+    std::optional<Cell> first_bad(Index b) const {
+        // Zones are nested, so a state that passes in the largest zone passes in its own.
+        if (!moves(batch_, b) || !first_bad_mass(batch_.states[b], largest_)) return std::nullopt;
+        ActiveBand own = largest_;
+        own.set_load(batch_.stress_ratio[b]);
+        return first_bad_mass(batch_.states[b], own);
     }
 
   private:
-    ActiveBand zone_of(Index b) const {
-        ActiveBand own = largest_;
-        own.set_load(batch_.stress_ratio[b]);
-        return own;
-    }
-
-    std::optional<std::pair<Index, Index>> first_bad(Index b, const ActiveBand* zone) const {
-        const MatrixView<const double> state = batch_.states[b];
-        for (Index i = 0; i < state.rows(); ++i) {
-            for (Index j = begin_[i]; j < end_[i]; ++j) {
-                if (std::isfinite(state(i, j))) continue;
-                if (zone == nullptr || std::abs(i - j) <= zone->last(std::max(i, j))) return {{i, j}};
-            }
-        }
-        return std::nullopt;
-    }
-
     const Batch& batch_;
     ActiveBand largest_;
-    Array<Index> begin_;  // (N) first column of the largest zone in each row
-    Array<Index> end_;    // (N) one past the last
 };
 
 // Order of the states by their loads, before and after: those with the same two use the same zones, which cost as much as
@@ -134,8 +131,9 @@ class FiniteCheck {
 Array<Index> by_load(const Batch& batch) {
     Array<Index> order(batch.states.count());
     std::iota(order.begin(), order.end(), Index{0});
+    const auto comparable = [](double load) { return is_load(load) ? load : -1.0; };
     const auto loads = [&](Index b) {
-        return std::pair(batch.stress_ratio[b], settled_at(batch, b).value_or(0.0));
+        return std::pair(comparable(batch.stress_ratio[b]), comparable(settled_at(batch, b).value_or(0.0)));
     };
     std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return loads(a) < loads(b); });
     return order;
@@ -147,22 +145,28 @@ BatchSolver::BatchSolver(QuasiStatic solver) {
     workers_.push_back(std::move(solver));
 }
 
-bool BatchSolver::solve(const Batch& batch, StackView<double> out, VectorView<SolveReport> reports,
+bool BatchSolver::solve(const Batch& batch, StackView<double> out, const BatchOutcome& outcome,
                         const BatchOptions& options) {
-    require_fit(batch, reports, options);
-    require_stack(out, batch.states.count(), solver().grid().bins(), "out");
+    const Index bins = solver().grid().bins();
+    require_fit(batch, outcome, options);
+    require_count(outcome.settled_at.size(), batch.states.count(), "settled_at of the outcome");
+    require_stack(out, batch.states.count(), bins, "out");
     if (out.count() > 0) require_same_or_apart(by_state(batch.states), by_state(out));
-    return run(batch, options, [&](QuasiStatic& worker, Index b) {
-        const SolveReport report =
-            worker.solve(batch.states[b], batch.stress_ratio[b], settled_at(batch, b), out[b]);
-        if (reports.size() > 0) reports[b] = report;
-    });
+    return run(
+        batch, outcome, options,
+        [&](QuasiStatic& worker, Index b) {
+            return worker.solve(batch.states[b], batch.stress_ratio[b], settled_at(batch, b), out[b]);
+        },
+        [&](Index b) {
+            if (out[b].data() != batch.states[b].data())
+                std::copy_n(batch.states[b].data(), bins * bins, out[b].data());
+        });
 }
 
-bool BatchSolver::marginal(const Batch& batch, MatrixView<double> grainsize, VectorView<SolveReport> reports,
+bool BatchSolver::marginal(const Batch& batch, MatrixView<double> grainsize, const BatchOutcome& outcome,
                            const BatchOptions& options) {
     const Index bins = solver().grid().bins();
-    require_fit(batch, reports, options);
+    require_fit(batch, outcome, options);
     if (grainsize.rows() != batch.states.count() || grainsize.cols() != bins || grainsize.stride() < bins) {
         throw ShapeError({.parameter = "grainsize",
                           .value = shape_text(grainsize.rows(), grainsize.cols()),
@@ -174,46 +178,75 @@ bool BatchSolver::marginal(const Batch& batch, MatrixView<double> grainsize, Vec
         throw ShapeError(
             {.parameter = "grainsize", .finding = "overlaps the states", .remedy = Remedy::use_own_memory});
     }
-    return run(batch, options, [&](QuasiStatic& worker, Index b) {
-        const VectorView<double> to(grainsize.row(b), bins);
-        const SolveReport report =
-            worker.marginal(batch.states[b], batch.stress_ratio[b], settled_at(batch, b), to);
-        if (reports.size() > 0) reports[b] = report;
-    });
+    return run(
+        batch, outcome, options,
+        [&](QuasiStatic& worker, Index b) {
+            const VectorView<double> to(grainsize.row(b), bins);
+            return worker.marginal(batch.states[b], batch.stress_ratio[b], settled_at(batch, b), to);
+        },
+        [&](Index b) { std::fill_n(grainsize.row(b), bins, std::numeric_limits<double>::quiet_NaN()); });
 }
 
-void BatchSolver::require_fit(const Batch& batch, VectorView<SolveReport> reports,
+void BatchSolver::require_fit(const Batch& batch, const BatchOutcome& outcome,
                               const BatchOptions& options) const {
     const Index count = batch.states.count();
     require(options.threads >= 1, "threads", static_cast<double>(options.threads), "at least 1");
     require_stack(batch.states, count, solver().grid().bins(), "states");
     require_count(batch.stress_ratio.size(), count, "stress_ratio");
     if (batch.settled_at.size() > 0) require_count(batch.settled_at.size(), count, "settled_at");
-    if (reports.size() > 0) require_count(reports.size(), count, "reports");
-    require_loads(batch.stress_ratio, "stress_ratio");
-    require_loads(batch.settled_at, "settled_at");
+    if (outcome.settled_at.size() > 0)
+        require_count(outcome.settled_at.size(), count, "settled_at of the outcome");
+    if (outcome.reports.size() > 0) require_count(outcome.reports.size(), count, "reports");
+    if (outcome.status.size() > 0) require_count(outcome.status.size(), count, "status");
 }
 
-bool BatchSolver::run(const Batch& batch, const BatchOptions& options, const Work& work) {
+bool BatchSolver::refuse_bad(const Batch& batch, const BatchOptions& options) {
+    require_loads(batch.stress_ratio, "stress_ratio");
+    require_loads(batch.settled_at, "settled_at");
     const Index count = batch.states.count();
-    const FiniteCheck check(solver(), batch);
+    const ZoneCheck check(solver(), batch);
     std::atomic<Index> refused{count};
     const bool looked = for_each_state(count, options, [&](QuasiStatic&, Index b) {
-        if (check.passes(b)) return;
+        if (!check.first_bad(b)) return;
         Index first = refused;
         while (b < first && !refused.compare_exchange_weak(first, b)) {
         }
     });
-    if (refused < count) check.refuse(refused);
-    if (!looked) return false;
+    if (const Index b = refused; b < count) {
+        const auto [i, j] = *check.first_bad(b);
+        throw ParameterError(mass_fault(batch.states[b](i, j), "states", {b, i, j}, true));
+    }
+    return looked;
+}
+
+bool BatchSolver::run(const Batch& batch, const BatchOutcome& outcome, const BatchOptions& options,
+                      const Solve& solve, const LeaveAlone& leave_alone) {
+    const bool one_by_one = outcome.status.size() > 0;
+    faults_.clear();
+    std::fill(outcome.status.begin(), outcome.status.end(), StateStatus::waiting);
+    if (!one_by_one && !refuse_bad(batch, options)) return false;
+    std::mutex of_faults;
     const Array<Index> order = by_load(batch);
-    return for_each_state(count, options, [&](QuasiStatic& worker, Index turn) {
+    return for_each_state(batch.states.count(), options, [&](QuasiStatic& worker, Index turn) {
         const Index b = order[turn];
+        const double settled = settled_at(batch, b).value_or(0.0);
+        if (std::optional<Bad> bad = one_by_one ? bad_of(batch, b) : std::nullopt) {
+            leave_alone(b);
+            if (outcome.settled_at.size() > 0) outcome.settled_at[b] = settled;
+            if (outcome.reports.size() > 0) outcome.reports[b] = {};
+            outcome.status[b] = bad->status;
+            const std::lock_guard lock(of_faults);
+            faults_.emplace(b, std::move(bad->fault));
+            return;
+        }
         try {
-            work(worker, b);
+            const SolveReport report = solve(worker, b);
+            if (outcome.reports.size() > 0) outcome.reports[b] = report;
         } catch (const ParameterError& error) {
             throw ParameterError(within(entry("states", {b}), error.fault()));
         }
+        if (outcome.settled_at.size() > 0) outcome.settled_at[b] = std::max(settled, batch.stress_ratio[b]);
+        if (one_by_one) outcome.status[b] = StateStatus::at_rest;
     });
 }
 

@@ -13,6 +13,7 @@
 #include "sweeping/band_sweep.hpp"
 #include "sweeping/blend_sweep.hpp"
 #include "sweeping/marginal.hpp"
+#include "sweeping/mass_check.hpp"
 #include "sweeping/point_sweep.hpp"
 
 namespace comminute {
@@ -91,15 +92,17 @@ struct QuasiStatic::Work {
         return widest > by_sums.head + 2 ? by_sums : bin_by_bin;  // by measurement
     }
 
-    /// Refuses a state whose crushed mass, a sum over the zone, is not finite, by the entry that makes it so.
-    void require_finite_sum(MatrixView<const double> state, double crushed) const {
-        if (std::isfinite(crushed)) return;
-        for (Index i = 0; i < grid.bins(); ++i) {
-            for (Index j = 0; j < grid.bins(); ++j) {
-                if (std::abs(i - j) <= after.last(std::max(i, j)))
-                    require_finite(state(i, j), "state", {i, j});
-            }
+    /// Refuses a bare array with an entry in the zone that is no mass; a fabric has none.
+    void require_masses(MatrixView<const double> state) const {
+        if (const auto bad = first_bad_mass(state, after)) {
+            const auto [i, j] = *bad;
+            throw ParameterError(mass_fault(state(i, j), "state", {i, j}, true));
         }
+    }
+
+    /// Refuses a state whose crushed mass, a sum over the zone, overflows.
+    static void require_finite_sum(double crushed) {
+        if (std::isfinite(crushed)) return;
         throw ParameterError({.parameter = "state",
                               .finding = "adds up to more than a number can hold",
                               .rule = "it must be scaled to a total of 1"});
@@ -116,7 +119,7 @@ struct QuasiStatic::Work {
             const MatrixView<double> to =
                 out != nullptr ? *out : MatrixView<double>(scratch.data(), grid.bins(), grid.bins());
             blend.run(before, after, state, arrivals, to);
-            require_finite_sum(state, blend.crushed() + blend.crushed_neighbour());
+            require_finite_sum(blend.crushed() + blend.crushed_neighbour());
             if (rows != nullptr) *rows = row_sums(to);
             report.path = SolvePath::blend;
             report.crushed = blend.crushed();
@@ -125,7 +128,7 @@ struct QuasiStatic::Work {
         }
         const CrushTable& by = table();
         sweep.run(by, before, after, state, arrivals, out);
-        require_finite_sum(state, sweep.crushed() + sweep.crushed_neighbour());
+        require_finite_sum(sweep.crushed() + sweep.crushed_neighbour());
         if (out != nullptr) sweep.far_field(state, arrivals, *out);
         if (rows != nullptr) move_marginal(by, arrivals, sweep.crushed_rows(), *rows);
         report.path = by.terms > 0 ? SolvePath::sums : SolvePath::direct;
@@ -246,6 +249,7 @@ SolveReport QuasiStatic::solve(MatrixView<const double> state, double stress_rat
         return {};
     }
     work_->set_loads(settled_at, stress_ratio, 0.0);
+    work_->require_masses(state);
     return work_->settle(state, {}, nullptr, &out);
 }
 
@@ -259,6 +263,7 @@ SolveReport QuasiStatic::marginal(MatrixView<const double> state, double stress_
     SolveReport report;
     if (!settled_at || stress_ratio > *settled_at) {
         work_->set_loads(settled_at, stress_ratio, 0.0);
+        work_->require_masses(state);
         report = work_->settle(state, {}, &rows, nullptr);
     }
     std::copy(rows.begin(), rows.end(), grainsize.begin());

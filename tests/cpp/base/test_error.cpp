@@ -110,7 +110,7 @@ TEST_CASE("an error in one state of a batch is the solver's own, seen from the b
     std::vector<double> loads{0.0, 0.0, 400.0};
     const std::vector<double> never;
     const Fault fault = fault_of<ParameterError>([&] {
-        solver.solve({{states.data(), 3, 8}, loads, {never.data(), 0}}, {states.data(), 3, 8});
+        solver.solve({{states.data(), 3, 8}, loads, {never.data(), 0}}, {states.data(), 3, 8}, {loads});
     });
     CHECK(fault.parameter == "state");
     CHECK(fault.place == std::vector<Place>{{"states", {2}}});

@@ -97,6 +97,52 @@ def test_the_first_bad_input_is_named_and_nothing_is_written(threads: int) -> No
     assert np.all(out == 7.0)
 
 
+def test_the_solver_returns_what_a_point_has_to_remember() -> None:
+    # Three cycles of loading and unloading end where the largest load alone does.
+    grid, material = cm.LogGrid(-6.0, 0.0, 58), cm.Material(fabric_width=0.3)
+    start = cm.mixed_fabric(cm.power_law(2.5, 0.01, 1.0), grid).probability
+    solver = cm.QuasiStatic(grid, material)
+    states, settled = start[None].copy(), np.zeros(1)
+    for load in (100.0, 5.0) * 3:
+        states = solver.solve_batch(states, load, settled)
+        settled = solver.settled_at
+        assert settled.tolist() == [100.0]
+    np.testing.assert_array_equal(states[0], solver.solve(start, 100.0))
+
+
+def test_a_bad_state_is_kept_with_its_fault_and_the_others_are_solved() -> None:
+    states, loads, settled = material_points(6)
+    solver = cm.QuasiStatic(GRID, MATERIAL)
+    right = solver.solve_batch(states, loads, settled)
+    remembered = solver.settled_at
+    assert solver.faults == {}
+    states[7, 12, 12], states[9, 3, 4] = -0.1, math.nan
+    found = solver.solve_batch(states, loads, settled, threads=2, bad_states="keep")
+    others = np.delete(np.arange(COUNT), [7, 9])
+    np.testing.assert_array_equal(found[others], right[others])
+    np.testing.assert_array_equal(found[[7, 9]], states[[7, 9]])
+    np.testing.assert_array_equal(solver.settled_at[others], remembered[others])
+    np.testing.assert_array_equal(solver.settled_at[[7, 9]], settled[[7, 9]])
+    assert {b: str(fault) for b, fault in solver.faults.items()} == {
+        7: "states[7, 12, 12] is -0.1; every entry must be a mass of at least 0",
+        9: "states[9, 3, 4] is nan; every entry must be finite",
+    }
+    assert solver.faults[7].parameter == "states"
+    gradings = solver.marginal_batch(states, loads, settled, bad_states="keep")
+    assert np.flatnonzero(np.isnan(gradings).any(axis=1)).tolist() == [7, 9]
+    wrong: Any = "skip"
+    _refused("'skip'; it must be one of 'raise', 'keep'", lambda: solver.solve_batch(states, 1.0, bad_states=wrong))
+
+
+@pytest.mark.parametrize("mass", [-0.1, math.nan, math.inf])
+def test_an_array_with_an_entry_that_is_no_mass_is_refused(mass: float) -> None:
+    states, *_ = material_points(7)
+    states[0, 20, 20] = mass
+    solver = cm.QuasiStatic(GRID, MATERIAL)
+    _refused(f"state[20, 20] is {mass}; every entry inside the crush zone", lambda: solver.solve(states[0], 1e3))
+    _refused(f"state[20, 20] is {mass}; every entry inside the crush zone", lambda: solver.marginal(states[0], 1e3))
+
+
 def test_arrays_are_taken_as_they_are_or_not_at_all() -> None:
     states, loads, settled = material_points(4)
     solver = cm.QuasiStatic(GRID, MATERIAL)
