@@ -75,11 +75,12 @@ class Case:
         worst = np.argmax(np.abs(difference), axis=1)
         each = np.arange(len(LOADS))
         self.sign = np.sign(difference[each, worst])
-        self.found = cm.Comparison(
-            stress_ratio=np.array(LOADS),
-            distance=np.abs(difference)[each, worst],
-            standard_error=self.cdf_error[each, worst],
-            size=main.edge_sizes[1:][worst],
+        self.found = cm.Comparison.of(
+            np.array(LOADS),
+            main.edge_sizes[1:],
+            (self.result.cdf, np.array(self.lattice_cdf[SPACING])),
+            (np.zeros_like(self.cdf_error), self.cdf_error),
+            (1, REPLICAS),
         )
 
     def run(self, spacing: float, scheme: Literal["conservative", "paper"] = "conservative") -> cm.Result:
