@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from comminute._core import FullConvolution, LogGrid, Material, __version__, has_fftw
 from comminute.cases import schema
 from comminute.cases.running import load_rows
+from comminute.runs.remarks import NO_CRUSHES
 
 if TYPE_CHECKING:
     from comminute.cases.reading import ReadyCase
@@ -122,8 +123,11 @@ class LoadTableText:
     def _print(self, line: str) -> None:
         if self._bar is not None:
             self._bar.write(line)
-        else:
+            return
+        try:
             print(line, flush=True)
+        except BrokenPipeError:  # the reader has gone, as `| head` does; the run goes on, for its file
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _columns(row: dict[str, Any], stress_unit: str, size_unit: str) -> dict[str, tuple[str, int]]:
@@ -139,8 +143,13 @@ def _header(row: dict[str, Any], stress_unit: str, size_unit: str) -> str:
 
 def _line(row: dict[str, Any], stress_unit: str, size_unit: str) -> str:
     columns = _columns(row, stress_unit, size_unit)
-    cells = {name: "in fines" if row[name] is None else f"{row[name]:.4g}" for name in columns}
+    cells = {name: "in fines" if row[name] is None else f"{_without_rounding(name, row[name]):.4g}" for name in columns}
     return "".join(f"{cells[name]:>{width}}" for name, (_, width) in columns.items())
+
+
+def _without_rounding(name: str, value: float) -> float:
+    """Amounts that are smaller than any packing has a grain of are 0."""
+    return 0.0 if name in ("fines", "crushes") and value <= NO_CRUSHES else value
 
 
 def result_table(result: Result) -> str:

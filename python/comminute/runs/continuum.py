@@ -72,7 +72,8 @@ class Setup:
 
 def setup_of(result: ResultData) -> Setup:
     """Give the setup of the run that made a result; its notes without those to which its loads gave rise."""
-    said_of_loads = explained(result.stress_ratio, result.crushes)
+    remixed = result.recipe.remix_after if result.recipe else ()
+    said_of_loads = explained(result.stress_ratio, result.crushes, remixed)
     notes = tuple(note for note in result.notes if note not in said_of_loads)
     scheme: Scheme = result.scheme  # type: ignore[assignment]
     needed = result.recipe.needed_spacing if result.recipe else needed_spacing(result.material)
@@ -135,8 +136,10 @@ def continuum_run(
             return earlier
         fields = rows(path, outcomes)
         ratios, crushes = fields["stress_ratio"], fields["crushes"]
-        curves = np.cumsum(fields["pmf"], axis=1)
-        spoiled = spoiled_below(setup.start, setup.grading, setup.material, setup.scheme, path, recipe, curves)
+        spoiled = None
+        if len(outcomes) == path.stress_ratio.size:  # the loads are taken once more for this, which is done once
+            curves = np.cumsum(fields["pmf"], axis=1)
+            spoiled = spoiled_below(setup.start, setup.grading, setup.material, setup.scheme, path, recipe, curves)
         warnings = [
             *spacing_warnings(setup.start.grid, setup.needed_spacing),
             *fines_warnings(setup.start.grid, float(setup.start.grainsize()[0]), ratios, fields["pmf"], setup.unit),
@@ -149,7 +152,7 @@ def continuum_run(
             unit=setup.unit,
             engine=walker.engine,
             scheme=setup.scheme,
-            notes=(*setup.notes, *explained(ratios, crushes)),
+            notes=(*setup.notes, *explained(ratios, crushes, path.remix_after)),
             warnings=tuple(warnings),
             recipe=replace(recipe.of_first(len(outcomes)), needed_spacing=setup.needed_spacing),
             measured=setup.measured,

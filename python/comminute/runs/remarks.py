@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +16,7 @@ Floats = npt.NDArray[np.float64]
 NEEDED_ERROR = 2e-3  # error of a curve whose bins are as wide as `needed_spacing`; it grows as the width's square
 NEGLIGIBLE_ERROR = 5e-3  # expected error below which nothing is said
 MOST_ERROR = 0.5  # of a curve, however coarse its bins
+NO_CRUSHES = 1e-15  # crushes a cell that are rounding: not one grain in any packing
 FINES_LIMIT = 0.01  # share of the mass in the fines bin above which a result warns
 
 
@@ -37,14 +39,19 @@ def load_labels(result: ResultData) -> tuple[str, list[str]]:
     return quantity, texts
 
 
-def explained(loads: Floats, crushes: Floats) -> list[str]:
+def explained(loads: Floats, crushes: Floats, remix_after: Iterable[int]) -> list[str]:
     """One line each for loads that are allowed but may surprise."""
+    remixed = sorted(k for k in remix_after if k + 1 < loads.size)
     notes = []
     if np.any((loads > 0.0) & (loads < 1.0)):
         notes.append("stress ratios below 1 crush only grains larger than the reference size (more so among equals)")
-    if np.any(np.diff(loads) < 0.0):
-        notes.append("unloading changes nothing: a load crushes only where it exceeds all earlier ones")
-    if crushes[-1] == 0.0:
+    segments = np.split(loads, [k + 1 for k in remixed])
+    if any(np.any(np.diff(segment) < 0.0) for segment in segments):
+        earlier = "all earlier ones since the last remixing" if remixed else "all earlier ones"
+        notes.append(f"unloading changes nothing: a load crushes only where it exceeds {earlier}")
+    if any(loads[k + 1] < loads[: k + 1].max() for k in remixed):
+        notes.append("after a remixing grains have new neighbours, so a load may crush that is lower than earlier ones")
+    if crushes[-1] <= NO_CRUSHES:
         notes.append("nothing crushed: the load path stays below what the weakest grain bears")
     return notes
 

@@ -312,3 +312,19 @@ def test_options_of_sieve_tables_are_used_or_refused(tmp_path: Path) -> None:
         done = call("stats", long, *options)
         assert done.exit_code == 2
         assert words in done.stderr
+
+
+def test_a_run_whose_reader_has_gone_is_finished_all_the_same(folder: Path) -> None:
+    text = (folder / "case.toml").read_text()
+    many = ", ".join(str(1.2 + k) for k in range(40))
+    (folder / "case.toml").write_text(text.replace("[1.2, 12.0, 24.0]", f"[{many}]"))
+    command = [sys.executable, "-m", "comminute", "run", str(folder / "case.toml")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+        assert run.stdout is not None
+        assert "stress MPa" in run.stdout.readline()
+        run.stdout.close()
+        assert run.stderr is not None
+        assert run.stderr.read() == ""
+    assert run.returncode == 0
+    assert [file.name for file in folder.glob("*.nc*")] == ["run.nc"]
+    assert cm.open_result(folder / "run.nc").stress_ratio.size == 40

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import comminute as cm
+from comminute.runs.remarks import explained
 
 GRID = cm.LogGrid(-6.0, 0.0, 61)
 MATERIAL = cm.Material()
@@ -341,3 +342,25 @@ def test_neighbours_in_the_fines_bin_are_warned_of_where_they_matter() -> None:
 def test_loads_that_may_surprise_are_explained_in_a_line(loads: list[float], words: str) -> None:
     notes = simulate(stress_ratio=loads).notes
     assert sum(words in note for note in notes) == 1
+
+
+def test_a_lower_load_that_crushes_after_a_remixing_is_no_unloading() -> None:
+    words = "after a remixing grains have new neighbours, so a load may crush that is lower than earlier ones"
+    remixed = simulate(stress_ratio=[8.0, 6.0], remix_after=[0])
+    assert remixed.crushes[1] > remixed.crushes[0]
+    assert remixed.notes == (words,)
+    both = simulate(stress_ratio=[8.0, 6.0, 2.0], remix_after=[0])
+    assert both.crushes[2] == both.crushes[1]
+    assert both.notes == (
+        "unloading changes nothing: a load crushes only where it exceeds all earlier ones since the last remixing",
+        words,
+    )
+    assert simulate(stress_ratio=[2.0, 8.0], remix_after=[0, 1]).notes == ()
+    assert both.resume(stress_ratio=[20.0]).notes == both.notes
+
+
+def test_crushes_below_rounding_are_none() -> None:
+    assert explained(np.array([1.0]), np.array([2e-27]), ()) == [
+        "nothing crushed: the load path stays below what the weakest grain bears"
+    ]
+    assert explained(np.array([1.0]), np.array([2e-9]), ()) == []
