@@ -13,8 +13,10 @@ from matplotlib.figure import Figure, SubFigure
 from comminute._core import Fabric, Material
 from comminute.gradings.curves import SizeCurve
 from comminute.lattice.comparison import Comparison, compare
+from comminute.plotting.marginals import draw_marginals
 from comminute.plotting.paper import CONTOURS, DENSITY_COLOURS, RED, figure_size, zone_edge
-from comminute.plotting.style import Picture, new_axes
+from comminute.plotting.style import Picture, log_size_label, new_axes, size_label
+from comminute.runs.remarks import load_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,6 +37,7 @@ def plot_state(
     stress_ratio: float | None = None,
     limits: tuple[float, float] | None = None,
     marginals: bool = False,
+    unit: str = "",
 ) -> Axes:
     """Joint density of log grainsize and log neighbourhood grainsize, and the edge of the crush zone (Fig. 6).
 
@@ -53,6 +56,8 @@ def plot_state(
         Ends of both axes, in log size. Left out: the whole grid.
     marginals : bool
         Whether the densities of both sizes are drawn on the sides.
+    unit : str
+        Unit of the sizes, for the labels.
 
     Returns
     -------
@@ -85,23 +90,16 @@ def plot_state(
         ax.plot(psi[above], psibar[above], color=RED, lw=0.7)
         ax.plot(psibar[above], psi[above], color=RED, lw=0.7)
     ends = limits or (grid.edges[0], grid.edges[-1])
-    ax.set(xlim=ends, ylim=ends, xlabel=r"$\psi$ = ln $s$", ylabel=r"$\bar\psi$ = ln $\bar s$")
+    ax.set(
+        xlim=ends,
+        ylim=ends,
+        xlabel=log_size_label(r"\psi", "s", unit),
+        ylabel=log_size_label(r"\bar\psi", r"\bar s", unit),
+    )
     ax.set_box_aspect(1)
     if marginals:
-        _draw_marginals(ax, fabric)
+        draw_marginals(ax, fabric, colour=DENSITY_COLOURS(0.7), width=0.2, stems=False)
     return ax
-
-
-def _draw_marginals(ax: Axes, fabric: Fabric) -> None:
-    grid = fabric.grid
-    across = ax.inset_axes((0.0, 1.03, 1.0, 0.2), sharex=ax)
-    along = ax.inset_axes((1.03, 0.0, 0.2, 1.0), sharey=ax)
-    colour = DENSITY_COLOURS(0.7)
-    across.stairs(fabric.grainsize() / grid.spacing, grid.edges, fill=True, color=colour)
-    along.stairs(fabric.neighbourhood() / grid.spacing, grid.edges, fill=True, color=colour, orientation="horizontal")
-    for side in (across, along):
-        side.tick_params(labelbottom=False, labelleft=False, left=False, bottom=False)
-        side.spines[["top", "right"]].set_visible(False)
 
 
 def plot_evolution(
@@ -140,7 +138,7 @@ def plot_evolution(
     >>> lattice = cm.Lattice(10_000, cm.Material(), cm.gap_graded(1.0, 0.1))
     >>> axes = plot_evolution(lattice.run(stress_ratio=[2, 8], grid=continuum.grid), continuum)
     >>> axes.shape, axes[0, 0].get_title()
-    ((2, 2), 'lattice, $\\sigma^*$ = 2')
+    ((2, 2), 'lattice\n$\\sigma^*$ = 2')
     """
     chosen = list(range(lattice.stress_ratio.size) if loads is None else loads)
     if axes is None:
@@ -151,8 +149,9 @@ def plot_evolution(
     for row, (name, result) in enumerate((("lattice", lattice), ("continuum", continuum))):
         for k, ax in zip(chosen, axes[row], strict=True):
             load = float(result.stress_ratio[k])
-            plot_state(result.fabric(k), ax, material=result.material, stress_ratio=load, limits=limits)
-            ax.set_title(rf"{name}, $\sigma^*$ = {load:g}")
+            state = result.fabric(k)
+            plot_state(state, ax, material=result.material, stress_ratio=load, limits=limits, unit=result.unit)
+            ax.set_title(f"{name}\n" + rf"$\sigma^*$ = {load_text(load)}")
             ax.label_outer()
     axes[0, 0].figure.colorbar(
         axes[0, 0].collections[0], ax=list(axes.flat), location=bar, label="density of mass", extend="both", aspect=35
@@ -191,13 +190,13 @@ def plot_cdf_families(result: ResultData, ax: Axes | None = None, *, behind: Res
     _draw_curve(ax, result.start_curve, color="k", ls="--", lw=0.9, label="start")
     colours = mpl.colormaps["viridis"](np.linspace(0.92, 0.0, result.stress_ratio.size))
     for k, load in enumerate(result.stress_ratio):
-        _draw_curve(ax, result.curve(k), color=colours[k], label=f"{load:g}")
+        _draw_curve(ax, result.curve(k), color=colours[k], label=load_text(load))
         if behind is not None:
             _draw_curve(ax, behind.curve(k), color="k", ls=":", lw=0.7, label="_behind")
     low = np.searchsorted(result.cdf[-1], 2e-3)
     largest = result.edge_size[np.searchsorted(result.cdf[0], 1.0 - 1e-9, side="left").clip(max=result.psi.size - 1)]
     ax.set(xscale="log", xlim=(result.edge_size[low], largest * 1.1), ylim=(0.0, 1.02))
-    ax.set(xlabel="grainsize $s$ / reference size", ylabel="mass fraction finer")
+    ax.set(xlabel=size_label("grainsize $s$", result.unit), ylabel="mass fraction finer")
     ax.grid(alpha=0.3, lw=0.4)
     ax.legend(title=r"stress ratio $\sigma^*$", loc="upper left")
     return ax
@@ -237,7 +236,7 @@ def plot_comparison(
     >>> lattice = cm.Lattice(10_000, cm.Material(), cm.gap_graded(1.0, 0.1))
     >>> figure = plot_comparison(lattice.run(stress_ratio=[2, 8], grid=continuum.grid), continuum)
     >>> [part.axes[0].get_title() for part in figure.subfigs]
-    ['lattice, $\\sigma^*$ = 2', 'lattice']
+    ['lattice\n$\\sigma^*$ = 2', 'lattice']
     """
     count = lattice.stress_ratio.size if loads is None else len(loads)
     if figure is None:
@@ -257,7 +256,7 @@ def plot_comparison(
     right.label_outer()
     distance = compare(continuum, lattice).distance
     far = int(np.argmax(distance))
-    where = rf"at $\sigma^*$ = {lattice.stress_ratio[far]:g}"
+    where = rf"at $\sigma^*$ = {load_text(lattice.stress_ratio[far])}"
     said = f"largest distance\n{distance[far]:.3f} {where}"
     right.text(0.04, 0.95, said, transform=right.transAxes, va="top", fontsize="small")
     return figure

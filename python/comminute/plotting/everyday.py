@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
 AxesKind = Literal["semilog", "loglog", "rosin-rammler"]
 GUIDE_COLOUR = "#888888"
-PROBABILITIES = (0.1, 1, 5, 10, 20, 36.8, 50, 63.2, 80, 90, 95, 99, 99.9)
+PROBABILITIES = (0.1, 1, 5, 10, 20, 36.8, 63.2, 90, 99.9)
+LABEL_WIDTH = 0.45  # inches that the label of a size may take
 LEGEND_LOADS = 10
 SHOWN = 1e-3  # share of the mass below which the size axis may end
 
@@ -152,9 +153,16 @@ def _size_axis(ax: Axes, low: float, high: float, unit: str, *, phi: bool, coars
         ax.set(xlim=tuple(ends), xlabel=r"grainsize ($\varphi$ = $-$log$_2$ d / mm)")
         return
     ax.set(xscale="log", xlim=(high, low) if coarse_left else (low, high), xlabel=size_label("grainsize", unit))
-    if high / low < 1e3:
+    _log_ticks(ax, low, high)
+
+
+def _log_ticks(ax: Axes, low: float, high: float) -> None:
+    """Label as many of 1, 2, 5 and the decades of a logarithmic abscissa as there is room for."""
+    room = ax.get_window_extent().width / ax.get_figure(root=True).dpi / LABEL_WIDTH  # type: ignore[union-attr]
+    decades = math.log10(high / low)
+    if 3.0 * decades < room:
         ax.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    if high / low < 1e5:  # over more decades powers of ten are shorter
+    if decades < room and high < 1e5:  # else powers of ten are shorter
         ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.xaxis.set_minor_formatter(NullFormatter())
 
@@ -167,7 +175,7 @@ def _share_axis(ax: Axes, axes: AxesKind) -> None:
         at = _weibull_scale(np.divide(PROBABILITIES, 100.0))
         ax.yaxis.set_major_locator(FixedLocator(list(at)))
         ax.yaxis.set_major_formatter(FixedFormatter([f"{p:g}" for p in PROBABILITIES]))
-        ax.set(ylim=(at[0], at[-1]), ylabel="per cent finer by mass (Rosin-Rammler)")
+        ax.set(ylim=(at[0], at[-1]), ylabel="per cent finer (Rosin-Rammler scale)")
     else:
         ax.set(ylim=(0, 102), ylabel="per cent finer by mass")
 
@@ -210,20 +218,24 @@ def plot_index(
     style: dict[str, Any] = {"marker": "o", "ms": 4, "lw": 1.4, "color": "#33638d"} | options
     ax.plot(loads, values, **style)
     scale = "log" if loads.min() > 0.0 and loads.max() > 10.0 * loads.min() else "linear"
-    ax.set(xscale=scale, xlabel=load_labels(result)[0], ylabel=label)
+    ax.set(xscale=scale, xlabel=_load_label(result), ylabel=label)
     if scale == "log":
-        ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        _log_ticks(ax, float(loads.min()), float(loads.max()))
     if label.startswith(("D", "Cu")) and values.min() > 0.0 and values.max() > 10.0 * values.min():
         ax.set_yscale("log")
     ax.grid(alpha=0.3, lw=0.5)
     return ax
 
 
+def _load_label(result: ResultData) -> str:
+    quantity, _ = load_labels(result)
+    return "stress (unit of the first crush stress)" if quantity == "stress" else quantity
+
+
 def _index_values(result: ResultData, index: str | Callable[[SizeCurve], float]) -> tuple[str, np.ndarray[Any, Any]]:
     from comminute.gradings import breakage, indices  # noqa: PLC0415  (names that would hide arguments here)
 
     start = result.start_curve
-    unit = f" ({result.unit})" if result.unit else " / reference"
     known: dict[str, tuple[str, Callable[[SizeCurve], float]]] = {
         "Cu": ("Cu = D60 / D10", indices.uniformity),
         "Cc": ("Cc = D30² / (D10 D60)", indices.curvature),
@@ -239,7 +251,7 @@ def _index_values(result: ResultData, index: str | Callable[[SizeCurve], float])
         label, make = known[index]
     elif index[:1] == "D" and index[1:].replace(".", "", 1).isdigit():
         percent = float(index[1:])
-        label, make = f"{index}{unit}", lambda curve: curve.percentile(percent)
+        label, make = size_label(index, result.unit), lambda curve: curve.percentile(percent)
     else:
         rule = f"it must be a size such as D50, or one of {', '.join(known)}, crushes, fines"
         raise parameter_error("index", f"'{index}'", rule)

@@ -10,8 +10,10 @@ from matplotlib.colors import LogNorm
 
 from comminute._core import Fabric, Material
 from comminute.plotting.everyday import plot_curves
+from comminute.plotting.marginals import draw_marginals
 from comminute.plotting.paper import zone_edge
-from comminute.plotting.style import Picture, new_axes, size_label
+from comminute.plotting.style import Picture, log_size_label, new_axes
+from comminute.runs.remarks import load_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,7 +66,7 @@ def plot_fabric(
     -------
     matplotlib Axes
     """
-    ax = new_axes() if ax is None else ax
+    ax = new_axes(5.4, 4.4) if ax is None else ax
     grid = fabric.grid
     density = fabric.probability / grid.spacing**2
     low, high = _visible_range(fabric.grainsize(), grid.edges, SHOWN_TAIL)
@@ -88,11 +90,11 @@ def plot_fabric(
     ax.set(
         xlim=(low, high),
         ylim=(low, high),
-        xlabel=r"$\psi$ = ln " + size_label("grainsize", unit),
-        ylabel=r"$\bar\psi$ = ln " + size_label("neighbourhood grainsize", unit),
+        xlabel="grainsize " + log_size_label(r"\psi", "s", unit),
+        ylabel="neighbourhood grainsize " + log_size_label(r"\bar\psi", r"\bar s", unit),
     )
     ax.set_box_aspect(1)
-    _draw_marginals(ax, fabric)
+    draw_marginals(ax, fabric, colour=MARGINAL_COLOUR, width=0.17, stems=True)
     bar = ax.inset_axes((1.24, 0.0, 0.035, 1.0))
     bar.figure.colorbar(image, cax=bar, label="density of mass", extend="max")
     return ax
@@ -133,30 +135,8 @@ def _draw_zone(ax: Axes, fabric: Fabric, material: Material, stress_ratio: float
     psi, psibar = zone_edge(material, stress_ratio, fabric.grid.psi_max + 0.5)
     upper = psi >= psibar
     larger, smaller = psi[upper], psibar[upper]
-    ax.plot(larger, smaller, color=ZONE_COLOUR, lw=1.0, label=f"crush zone at stress ratio {stress_ratio:g}")
+    ax.plot(larger, smaller, color=ZONE_COLOUR, lw=1.0, label=f"crush zone at stress ratio {load_text(stress_ratio)}")
     ax.plot(smaller, larger, color=ZONE_COLOUR, lw=1.0)
-
-
-def _draw_marginals(ax: Axes, fabric: Fabric) -> None:
-    """Draw the marginal densities above and to the right of the density plot."""
-    grid = fabric.grid
-    across = ax.inset_axes((0.0, 1.03, 1.0, 0.17), sharex=ax)
-    along = ax.inset_axes((1.03, 0.0, 0.17, 1.0), sharey=ax)
-    grainsize, neighbourhood = fabric.grainsize(), fabric.neighbourhood()
-    across.stairs(grainsize / grid.spacing, grid.edges, fill=True, color=MARGINAL_COLOUR)
-    along.stairs(neighbourhood / grid.spacing, grid.edges, fill=True, color=MARGINAL_COLOUR, orientation="horizontal")
-    across.set_ylim(0.0, _spread_height(grainsize) / grid.spacing)
-    along.set_xlim(0.0, _spread_height(neighbourhood) / grid.spacing)
-    for side in (across, along):
-        side.tick_params(labelbottom=False, labelleft=False, left=False, bottom=False)
-        side.spines[["top", "right"]].set_visible(False)
-
-
-def _spread_height(pmf: Floats) -> float:
-    """Height that shows the spread mass; the spikes of point masses are cut there."""
-    spikes = pmf > max(POINT_MASS, 8.0 * float(np.median(pmf[pmf > 0.0])))
-    spread = pmf[~spikes]
-    return 1.1 * float(spread.max() if spread.any() else pmf.max())
 
 
 def plot_result(result: ResultData, load: int = -1) -> Picture:

@@ -11,7 +11,8 @@ import numpy as np
 from matplotlib.colors import ListedColormap, LogNorm
 
 from comminute._core import LogGrid, Material, Zone, cell_kernel, crush_zones, logspace_load
-from comminute.plotting.style import new_axes
+from comminute.plotting.style import log_size_label, new_axes, size_label
+from comminute.runs.remarks import load_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -110,6 +111,7 @@ def plot_stress_contours(
     *,
     log_sizes: bool = False,
     limits: tuple[float, float] | None = None,
+    unit: str = "",
 ) -> Axes:
     """Contours of the stress function: which grains crush first at which load (Fig. 3).
 
@@ -123,6 +125,8 @@ def plot_stress_contours(
         Whether the axes are log sizes instead of sizes.
     limits : (float, float), optional
         Ends of both axes. Left out: up to the reference size.
+    unit : str
+        Unit of the sizes, for the labels.
 
     Returns
     -------
@@ -147,14 +151,15 @@ def plot_stress_contours(
         psi, psibar = zone_edge(material, float(load), ends[1] + 0.5)
         colour, style = CONTOURS[k % len(CONTOURS)]
         x, y = (psi, psibar) if log_sizes else (np.exp(psi), np.exp(psibar))
-        ax.plot(x, y, color=colour, ls=style, label=f"{load:g}")
-    names = (r"$\psi$ = ln $s$", r"$\bar\psi$ = ln $\bar s$") if log_sizes else (r"$s$", r"$\bar s$")
-    ax.set(
-        xlim=limits,
-        ylim=limits,
-        xlabel="grainsize " + names[0],
-        ylabel="neighbourhood grainsize " + names[1],
-    )
+        ax.plot(x, y, color=colour, ls=style, label=load_text(load))
+    names = [("grainsize", r"\psi", "s"), ("neighbourhood grainsize", r"\bar\psi", r"\bar s")]
+    labels = [
+        f"{name} {log_size_label(log, size, unit)}"
+        if log_sizes
+        else size_label(f"{name} ${size}$", unit).replace(" (unit", "\n(unit")  # too long for one line
+        for name, log, size in names
+    ]
+    ax.set(xlim=limits, ylim=limits, xlabel=labels[0], ylabel=labels[1])
     ax.set_box_aspect(1)
     ax.legend(title=r"stress ratio $\sigma^*$", loc="upper left", handlelength=2.4)
     return ax
@@ -199,7 +204,7 @@ def plot_zones(grid: LogGrid, material: Material, stress_ratio: float, ax: Axes 
     ends = (grid.edges[0], grid.edges[-1])
     ax.set(xlim=ends, ylim=ends, xlabel=r"log grainsize $\psi$", ylabel=r"log neighbourhood grainsize $\bar\psi$")
     ax.set_box_aspect(1)
-    ax.legend(loc="upper left", handlelength=2.4)
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), handlelength=2.4, frameon=False)  # above, clear of the zones
     return ax
 
 

@@ -26,8 +26,13 @@ class Picture(Figure):
     _repr_png_ = png
 
 
-def new_axes() -> Axes:
+def new_axes(width: float = 3.4, height: float = 3.2) -> Axes:
     """One `Axes` on a figure of its own, which no window shows.
+
+    Parameters
+    ----------
+    width, height : float
+        Size of the figure in inches.
 
     Returns
     -------
@@ -39,9 +44,21 @@ def new_axes() -> Axes:
     >>> new_axes().figure.axes == []
     False
     """
-    return Picture(figsize=(3.4, 3.2), layout="constrained").add_subplot()
+    return Picture(figsize=(width, height), layout="constrained").add_subplot()
 
 
 def size_label(name: str, unit: str) -> str:
-    """Axis label of sizes in a unit, or relative to the reference size where there is none."""
-    return f"{name} ({unit})" if unit else f"{name} / reference"
+    """Axis label of sizes in a unit, which is that of the reference size where it has no name."""
+    return f"{name} ({unit or 'unit of the reference size'})"
+
+
+def log_size_label(log_size: str, size: str, unit: str) -> str:
+    r"""Axis label of log sizes, both names in TeX: ln of sizes in a unit.
+
+    Examples
+    --------
+    >>> from comminute.plotting.style import log_size_label
+    >>> print(log_size_label(r"\psi", "s", "mm"), "or", log_size_label(r"\psi", "s", ""))
+    $\psi$ = ln($s$ / mm) or $\psi$ = ln $s$
+    """
+    return rf"${log_size}$ = ln(${size}$ / {unit})" if unit else rf"${log_size}$ = ln ${size}$"

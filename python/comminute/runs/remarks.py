@@ -24,6 +24,11 @@ class ResolutionWarning(UserWarning):
     """Curves are less exact than a user expects; the message says below which size, or by how much."""
 
 
+def load_text(load: float) -> str:
+    """Text of a load of four digits, 10000 rather than 1e+04."""
+    return f"{float(f'{load:.4g}'):g}"
+
+
 def load_labels(result: ResultData) -> tuple[str, list[str]]:
     """Name of the loads' quantity with its unit, stress where it is known, and a text for each load, none twice."""
     quantity, loads = "stress ratio", result.stress_ratio
@@ -32,7 +37,7 @@ def load_labels(result: ResultData) -> tuple[str, list[str]]:
         quantity, loads = f"stress ({unit})" if unit else "stress", result.stress
     texts = list[str]()
     for load in loads:
-        text = f"{float(f'{load:.4g}'):g}"  # four digits, and 10000 rather than 1e+04
+        text = load_text(load)
         while text in texts:  # the same load again, after a remixing or unloading
             text += "'"
         texts.append(text)

@@ -92,7 +92,7 @@ def test_indices_against_stress(result: cm.Result, index: str) -> None:
     assert np.all(np.isfinite(np.asarray(line.get_ydata(), dtype=float)))
     if index == "D50":
         np.testing.assert_allclose(np.asarray(line.get_ydata()), result.percentile(50))
-    assert ax.get_xlabel() == "stress"
+    assert ax.get_xlabel() == "stress (unit of the first crush stress)"
 
 
 def test_an_index_of_ones_own_and_one_that_is_none(result: cm.Result) -> None:

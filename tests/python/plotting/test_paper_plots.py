@@ -127,7 +127,7 @@ def test_the_evolution_has_lattice_above_and_continuum_below(pair: tuple[cm.Latt
     assert axes.shape == (2, 2)
     for row, (name, result) in enumerate(zip(("lattice", "continuum"), pair, strict=True)):
         for ax, k in zip(axes[row], (0, 2), strict=True):
-            assert ax.get_title() == rf"{name}, $\sigma^*$ = {LOADS[k]:g}"
+            assert ax.get_title() == f"{name}\n" + rf"$\sigma^*$ = {LOADS[k]:g}"
             density = result.fabric(k).binned().probability.T / result.grid.spacing**2
             assert mesh_of(ax).max() == density.max()
     assert axes[0, 0].figure.axes[-1].get_ylabel() == "density of mass"
