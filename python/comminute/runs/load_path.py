@@ -17,7 +17,7 @@ Floats = npt.NDArray[np.float64]
 
 
 Keep = Literal["auto", "all", "last"] | Sequence[int]
-FABRICS_MEMORY = 256 * 2**20  # bytes of the fabrics that are kept unless told otherwise
+FABRICS_MEMORY = 256_000_000  # bytes of the fabrics that are kept unless told otherwise
 
 
 class Load(NamedTuple):
