@@ -1,4 +1,4 @@
-"""Answers that were once wrong without a word: what they are, and what they were in version 0.1.
+"""Answers that were once wrong without a word: what they are, and about what they were in version 0.1.
 
 Each figure is computed by one function and compared with the right value, which is known without the library; the wrong
 one must lie outside the tolerance, so that no test here can pass on it.
@@ -106,7 +106,7 @@ def unloaded_point(folder: Path) -> float:
     return float(np.abs(np.cumsum((states - once)[0].sum(axis=1))).max())
 
 
-# name: (figure, what is right, tolerance, what version 0.1 gave)
+# name: (figure, what is right, tolerance, about what version 0.1 gave)
 FIGURES: dict[str, tuple[Callable[[Path], float], float, float, float]] = {
     "rows of a table whose sieves are #4 to #200": (sieves_called_by_number, 4.0, 0.0, 0.0),
     "share finer than 0.1 of a gap-graded start": (
