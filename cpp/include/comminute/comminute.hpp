@@ -15,6 +15,8 @@
 #include "comminute/lattice.hpp"
 #include "comminute/material.hpp"
 #include "comminute/quasi_static.hpp"
+#include "comminute/resolved.hpp"
+#include "comminute/resolved_grid.hpp"
 #include "comminute/scheme.hpp"
 #include "comminute/settle.hpp"
 #include "comminute/slow_update.hpp"

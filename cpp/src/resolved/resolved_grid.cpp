@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Nodes of the resolved continuum: their widths, and the mass of a grading in them (docs/theory/three_cells.md, section 2).
+#include "comminute/resolved_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "base/check.hpp"
+
+namespace comminute {
+
+using namespace detail;
+
+namespace {
+
+constexpr double fines_width = 2.0;       // of the fines bin, whose centre is its size as a neighbour
+constexpr double least_range = 8.0;       // between the largest grain and the fines bin, in ln(size)
+constexpr double below_the_start = 1.0;   // between the start and the fines bin
+constexpr double same_edge = 1e-9;        // distance in ln(size) of two edges that are one
+constexpr double negligible_tail = 3e-7;  // share of a spread without a bound beyond five standard deviations
+
+/// Bins that go down from one anchor to the next.
+class Descent {
+  public:
+    Descent(double fabric_width, const std::vector<Support>& supports, const NodeOptions& options)
+        : near_(options.grade * fabric_width), supports_(supports), options_(options) {}
+
+    /// Appends the lower ends of the bins from `top` down to `bottom`, which is the last of them.
+    void append(double top, double bottom, std::vector<double>& edges) const {
+        const double most = widest(top, bottom);
+        double edge = top;
+        while (true) {
+            const double width = std::min(most, std::max(std::min(most, near_), 0.5 * (top - edge)));
+            if (edge - bottom < 1.5 * width) break;
+            edge -= width;
+            edges.push_back(edge);
+        }
+        edges.push_back(bottom);
+    }
+
+  private:
+    double widest(double top, double bottom) const {
+        double most = options_.spacing;
+        for (const Support& support : supports_) {
+            if (support.upper < top || support.lower > bottom) continue;
+            most =
+                std::min(most, (support.upper - support.lower) / static_cast<double>(options_.support_bins));
+        }
+        return most;
+    }
+
+    double near_;
+    const std::vector<Support>& supports_;
+    const NodeOptions& options_;
+};
+
+void sort_once(std::vector<double>& values) {
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+[[noreturn]] void refuse_order(const char* list, std::size_t i, double value, const std::string& rule) {
+    throw ParameterError(
+        {.parameter = list, .value = text(value), .number = value, .rule = rule, .place = {entry(list, i)}});
+}
+
+}  // namespace
+
+ResolvedGrid::ResolvedGrid(std::vector<double> lower, std::vector<double> upper)
+    : lower_(std::move(lower)), upper_(std::move(upper)) {
+    require_entries(static_cast<Index>(upper_.size()), nodes(), entry("upper"), "lower has as many as nodes");
+    if (nodes() < 3) {
+        throw ShapeError({.parameter = "lower",
+                          .value = std::to_string(nodes()),
+                          .number = static_cast<double>(nodes()),
+                          .finding = "has " + std::to_string(nodes()) + " entries",
+                          .rule = "it must have at least 3, the fines bin and two nodes"});
+    }
+    for (std::size_t i = 0; i < lower_.size(); ++i) {
+        if (!std::isfinite(lower_[i])) refuse_order("lower", i, lower_[i], "it must be finite");
+        if (!std::isfinite(upper_[i]) || upper_[i] < lower_[i] || (i == 0 && upper_[i] == lower_[i])) {
+            refuse_order("upper", i, upper_[i], "it must not be below lower, and above it for the fines bin");
+        }
+        if (i == 0) continue;
+        if (lower_[i] != upper_[i - 1]) {
+            refuse_order("lower", i, lower_[i],
+                         "it must be where the node before ends, at " + text(upper_[i - 1]));
+        }
+        if (exact(static_cast<Index>(i)) && exact(static_cast<Index>(i - 1)))
+            refuse_order("lower", i, lower_[i], "it must not be the exact size before it again");
+    }
+}
+
+ResolvedGrid ResolvedGrid::graded(double fabric_width, double bottom, std::vector<double> exact,
+                                  const std::vector<Support>& supports, const NodeOptions& options,
+                                  std::vector<double> edges) {
+    require(fabric_width > 0.0 && std::isfinite(fabric_width), "fabric_width", fabric_width,
+            "greater than 0 and finite");
+    require(options.spacing > 0.0, "spacing", options.spacing, "greater than 0");
+    require(options.grade > 0.0, "grade", options.grade, "greater than 0");
+    require(options.support_bins >= 1, "support_bins", static_cast<double>(options.support_bins),
+            "at least 1");
+    std::vector<double> anchors = exact;
+    for (const Support& support : supports) {
+        require(support.lower < support.upper, "lower", support.lower, "below the upper end of its support");
+        anchors.insert(anchors.end(), {support.lower, support.upper});
+    }
+    sort_once(exact);
+    sort_once(anchors);
+    require(!anchors.empty() && std::isfinite(bottom) && bottom < anchors.front(), "bottom", bottom,
+            "below every size of the start");
+
+    std::vector<double> falling{anchors.back()};
+    const Descent descent(fabric_width, supports, options);
+    for (auto anchor = anchors.rbegin(); anchor != anchors.rend(); ++anchor) {
+        const bool last = anchor + 1 == anchors.rend();
+        descent.append(*anchor, last ? bottom : *(anchor + 1), falling);
+    }
+    const auto bins_end = static_cast<std::ptrdiff_t>(falling.size());
+    for (const double edge : edges) {
+        const auto there = [edge](double other) { return std::abs(edge - other) < same_edge; };
+        if (edge < bottom || edge > anchors.back()) continue;
+        if (std::none_of(falling.begin(), falling.begin() + bins_end, there)) falling.push_back(edge);
+    }
+    sort_once(falling);
+
+    std::vector<double> lower{bottom - fines_width};
+    std::vector<double> upper{bottom};
+    auto next = exact.begin();
+    for (std::size_t k = 1; k < falling.size(); ++k) {
+        lower.push_back(falling[k - 1]);
+        upper.push_back(falling[k]);
+        if (next != exact.end() && *next == falling[k]) {
+            lower.push_back(falling[k]);
+            upper.push_back(falling[k]);
+            ++next;
+        }
+    }
+    return ResolvedGrid(std::move(lower), std::move(upper));
+}
+
+Index ResolvedGrid::node_of(double psi) const {
+    if (!(psi <= upper_.back())) {
+        throw ParameterError({.parameter = "psi",
+                              .value = text(psi),
+                              .number = psi,
+                              .rule = "the nodes end at " + text(upper_.back())});
+    }
+    Index i = nodes() - 1;
+    while (i > 0 && (lower(i) > psi || (lower(i) == psi && !exact(i)))) --i;
+    return i;
+}
+
+std::vector<double> node_pmf(const Grading& grading, const ResolvedGrid& grid) {
+    const Index last = grid.nodes() - 1;
+    const double top = std::log(grading.largest());
+    if (top > grid.upper(last)) {
+        throw ParameterError({.parameter = "grading",
+                              .value = text(grading.largest()),
+                              .number = grading.largest(),
+                              .subject = "the largest grain",
+                              .rule = "the nodes end at " + text(std::exp(grid.upper(last)))});
+    }
+    std::vector<double> pmf(static_cast<std::size_t>(grid.nodes()), 0.0);
+    if (const auto* points = std::get_if<PointMasses>(&grading.law)) {
+        for (std::size_t k = 0; k < points->size.size(); ++k) {
+            pmf[static_cast<std::size_t>(grid.node_of(std::log(points->size[k])))] += points->share[k];
+        }
+        return pmf;
+    }
+    double below = 0.0;
+    for (Index i = 0; i <= last; ++i) {
+        if (i > 0 && grid.exact(i)) continue;
+        const double finer = i == last || grid.upper(i) >= top ? 1.0 : grading.finer(std::exp(grid.upper(i)));
+        pmf[static_cast<std::size_t>(i)] = std::max(finer - below, 0.0);
+        below = std::max(finer, below);
+    }
+    return pmf;
+}
+
+ResolvedGrid fitting_nodes(const Grading& grading, double fabric_width, const NodeOptions& options) {
+    const double top = std::log(grading.largest());
+    std::vector<double> exact;
+    std::vector<double> edges;
+    std::vector<Support> supports;
+    double lowest = top;
+    if (const auto* points = std::get_if<PointMasses>(&grading.law)) {
+        for (const double size : points->size) exact.push_back(std::log(size));
+        lowest = exact.front();
+    } else {
+        if (const auto* sieves = std::get_if<SieveCurve>(&grading.law)) {
+            for (const double size : sieves->size) edges.push_back(std::log(size));
+            lowest = edges.front();
+        } else {
+            lowest = std::log(std::max(grading.smallest(), grading.smallest(negligible_tail)));
+        }
+        supports.push_back({lowest, top});
+        lowest = std::max(lowest, std::log(grading.smallest(1e-3)));
+    }
+    const double bottom = std::min({top - least_range, lowest - below_the_start,
+                                    supports.empty() ? lowest : supports.front().lower - below_the_start});
+    return ResolvedGrid::graded(fabric_width, bottom, exact, supports, options, edges);
+}
+
+}  // namespace comminute

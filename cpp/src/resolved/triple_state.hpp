@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The law of three adjacent cells and one step of it under a rising load (docs/theory/three_cells.md, sections 3 and 4).
+#pragma once
+
+#include <vector>
+
+#include "base/arrays.hpp"
+#include "resolved/triple_tables.hpp"
+#include "simd/lanes.hpp"
+
+namespace comminute::detail {
+
+/// Working memory of steps, of one thread.
+struct TripleScratch {
+    explicit TripleScratch(const TripleTables& tables);
+
+    /// A node that is active or about to crush between a pair of neighbours.
+    struct Active {
+        Index node;
+        double share;    ///< active share
+        double crushes;  ///< mass that crushes in this step
+    };
+
+    Array<Index> first_of_pair;  // (pairs + 1) first entry of `active` of each pair (a, c), c <= a
+    Array<Index> next_of_pair;   // (pairs)
+    std::vector<Active> active;  // fine to coarse in each pair
+    LaneArray limit;             // (N, stride) [b, a]: share of the pending mass that may crush at once
+    LaneArray pending;           // (N, stride) [b, a]: pending mass of centres b beside a
+    LaneArray pairs;             // (N, stride) [b, a]: mass of centres b beside a
+    LaneArray crushing;          // (N, stride) [b, a]: of that what crushes
+    LaneArray landed;            // (N, N, stride) [a, c, b]: fragments b of the cells between a and c
+    std::vector<Index> written;  // rows of `landed` that are not 0
+    LaneArray beside;            // (N, N, stride) [a, b, b']: fragments b' of the crushed cells b beside a
+    LaneArray outcome;           // (N, stride) share of one crush that ends in each node, by active node
+    Array<double> count;         // (N) crushes until then
+    LaneArray around;      // (N, stride) [z, t]: mass of one centre between z and its crushing neighbour t
+    LaneArray moved;       // (rows, stride) [z, b']: of that what has b' for b now
+    LaneArray factor;      // (N, stride)
+    LaneArray leaves;      // (stride) share of each neighbour of a centre that crushes
+    Array<Index> columns;  // neighbours that do
+};
+
+/// State of the law of three cells: settled and pending mass of every triple, centre by centre, and the load.
+class TripleState {
+  public:
+    /// A random mixture. @param pmf (N) share of each node
+    TripleState(const TripleTables& tables, const std::vector<double>& pmf);
+    /// Counted triples. @param mass (N, N, N) of centre, left and right neighbour
+    TripleState(const TripleTables& tables, const Array<double>& mass);
+
+    double level() const { return level_; }
+    double crushes() const { return crushes_; }
+    double avalanches() const { return avalanches_; }
+    /// (N) mass by node.
+    std::vector<double> pmf(const TripleTables& tables) const;
+    /// Settled and pending mass of one triple.
+    double mass(const TripleTables& tables, Index b, Index a, Index c) const {
+        const Index at = (b * tables.nodes() + a) * tables.stride() + c;
+        return settled_[at] + pending_[at];
+    }
+    const LaneArray& settled() const { return settled_; }
+    const LaneArray& pending() const { return pending_; }
+
+    /// Raises the load by one step: what the zone overruns crushes, and then the neighbours see what has become of it.
+    void step(const TripleTables& tables, double level, TripleScratch& scratch);
+    /// Mass that the zone would overrun in a step to a load, or, where that is more, the root of the mass of adjacent cells
+    /// that would both crush in it.
+    double overrun_mass(const TripleTables& tables, double level) const;
+
+  private:
+    Index row(const TripleTables& tables, Index b, Index a) const {
+        return (b * tables.nodes() + a) * tables.stride();
+    }
+    double pair_mass(const TripleTables& tables, Index b, Index a) const;
+    void overrun(const TripleTables& tables, double level);
+    void count_pairs(const TripleTables& tables, TripleScratch& scratch) const;
+    void release(const TripleTables& tables, TripleScratch& scratch);
+    void crush_between_pairs(const TripleTables& tables, TripleScratch& scratch);
+    void replace_sides(const TripleTables& tables, TripleScratch& scratch);
+    void settle_landed(const TripleTables& tables, TripleScratch& scratch);
+
+    LaneArray settled_;   // (N, N, stride)
+    LaneArray pending_;   // (N, N, stride)
+    LaneArray share_;     // (N, N, stride) active share under the load
+    Array<Reach> reach_;  // (N, N) where that share is not 0
+    double level_;
+    double crushes_ = 0.0;
+    double avalanches_ = 0.0;
+};
+
+}  // namespace comminute::detail
