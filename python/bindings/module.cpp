@@ -12,5 +12,6 @@ PYBIND11_MODULE(_core, m) {
     register_gradings(m);
     register_stepping(m);
     register_sweeping(m);
+    register_resolved(m);
     register_lattice(m);
 }

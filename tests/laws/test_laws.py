@@ -80,7 +80,8 @@ def test_a_settled_state_is_at_rest(case: Case) -> None:
     p = engine.settle(case.p, case.stress_ratio)
     active = cm.crush_zones(case.grid, case.material, case.stress_ratio) > 0
     assert p[active].sum() <= 2e-18
-    np.testing.assert_array_equal(engine.step(p, 0.5 * case.stress_ratio)[~active], p[~active])
+    again = engine.step(p, 0.5 * case.stress_ratio)
+    np.testing.assert_allclose(again[~active], p[~active], rtol=0.0, atol=2e-18)  # what is left in the zone, at most
 
 
 def test_in_place_and_out_of_place_are_the_same_to_the_bit() -> None:

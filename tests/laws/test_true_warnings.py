@@ -1,6 +1,6 @@
 """Warnings of the fines bin are true: where one names a size, curves above it are good; where none is given, all are.
 
-The witness is the same run on a grid that goes on 12 in ln(size) further down.
+The witness is the same run on a grid that goes on 12 in ln(size) below the first, and below all grains that crush.
 """
 
 import math
@@ -25,7 +25,8 @@ def errors(sim: cm.Simulation, loads: list[float], remix: list[int]) -> tuple[cm
         warnings.simplefilter("ignore", cm.ResolutionWarning)
         run = sim.run(stress_ratio=loads, remix_after=remix)
         grid = run.grid
-        below = int(12.0 / grid.spacing)
+        tip = -sim.material.weibull_modulus / 3.0 * math.log(max(loads))
+        below = int((12.0 + max(grid.psi_min - tip, 0.0)) / grid.spacing)
         deep = cm.LogGrid(grid.psi_min - below * grid.spacing, grid.psi_max, grid.bins + below)
         assert isinstance(sim.start, cm.Grading)
         witness = cm.Simulation(sim.material, sim.start, grid=deep).run(stress_ratio=loads, remix_after=remix)

@@ -389,7 +389,7 @@ def sieve_pmf(psi: Array, size: Array, finer: Array) -> Array:
     cdf = np.interp(edge, log_size, finer)
     if finer[0] > 0.0:
         exponent = math.log(finer[1] / finer[0]) / (log_size[1] - log_size[0])
-        cdf = np.where(edge < log_size[0], finer[0] * np.exp(exponent * (edge - log_size[0])), cdf)
+        cdf = np.where(edge < log_size[0], finer[0] * np.exp(np.minimum(exponent * (edge - log_size[0]), 0.0)), cdf)
     return _bin_masses(cdf)
 
 

@@ -20,6 +20,27 @@ struct ResolvedOptions {
     Index threads = 1;        ///< 1 or 2: the coarse and the fine state at a time; the same bits
 };
 
+/// All that the future of one state depends on.
+struct TripleRecord {
+    std::vector<double> settled;  ///< (N, N, N)
+    std::vector<double> pending;  ///< (N, N, N) mass that is active and about to crush
+    double level = 0.0;           ///< load
+    double crushes = 0.0;
+    double avalanches = 0.0;
+};
+
+/// All that the future of a `Resolved` depends on beside its grid, material and options, for storage.
+struct ResolvedRecord {
+    TripleRecord coarse;
+    TripleRecord fine;
+    double log_load = 0.0;  ///< node of the clock
+    double hint = 0.0;      ///< step that is tried first after it
+    double settled_at = 0.0;
+    Index nodes = 0;              ///< of the clock, since the last mixing
+    double crushes_before = 0.0;  ///< the last mixing
+    double avalanches_before = 0.0;
+};
+
 /// The neighbour-resolved continuum: the law P(b; a, c) of three adjacent cells, a centre between two neighbours, in place
 /// of the paper's law of a cell and the mean of its neighbours. One crush of the lattice reads exactly these three, so
 /// the law needs one closure alone: given two adjacent cells, what is left of them knows nothing of what is right. It
@@ -59,6 +80,10 @@ class COMMINUTE_API Resolved {
     /// @throws as the other, and ParameterError unless a and c are alike, and any two cells adjacent either way
     static Resolved of_triples(const ResolvedGrid& grid, const Material& material,
                                const std::vector<double>& triples, const ResolvedOptions& options = {});
+    /// Goes on, to the same bits, from where `record` was taken.
+    /// @throws ShapeError for a record of another number of nodes
+    Resolved(const ResolvedGrid& grid, const Material& material, const ResolvedRecord& record,
+             const ResolvedOptions& options = {});
     ~Resolved();
     Resolved(const Resolved& other);
     Resolved& operator=(const Resolved& other);
@@ -74,6 +99,8 @@ class COMMINUTE_API Resolved {
     void load_to(double stress_ratio);
     /// Mixes the packing anew: a random mixture of the same grains, at no load.
     void remix();
+
+    ResolvedRecord record() const;
 
     /// (N) mass by node.
     std::vector<double> pmf() const;

@@ -51,7 +51,7 @@ class COMMINUTE_API ResolvedGrid {
     /// @throws ParameterError for a width or an option that is not greater than 0, or a size below the bottom
     static ResolvedGrid graded(double fabric_width, double bottom, std::vector<double> exact,
                                const std::vector<Support>& supports, const NodeOptions& options = {},
-                               std::vector<double> edges = {});
+                               const std::vector<double>& edges = {});
 
     Index nodes() const { return static_cast<Index>(lower_.size()); }
     double lower(Index i) const { return VectorView<const double>(lower_)[i]; }

@@ -248,6 +248,40 @@ Resolved Resolved::of_triples(const ResolvedGrid& grid, const Material& material
     }));
 }
 
+Resolved::Resolved(const ResolvedGrid& grid, const Material& material, const ResolvedRecord& record,
+                   const ResolvedOptions& options) {
+    require_options(options);
+    const Index nodes = grid.nodes();
+    for (const TripleRecord* state : {&record.coarse, &record.fine}) {
+        for (const std::vector<double>* mass : {&state->settled, &state->pending}) {
+            require_entries(static_cast<Index>(mass->size()), nodes * nodes * nodes, entry("record"),
+                            "the grid has " + std::to_string(nodes) + " nodes");
+        }
+    }
+    work_ = std::make_unique<Work>(grid, material, options, [&](const TripleTables& tables) {
+        return TripleState(tables, record.coarse);
+    });
+    work_->clock.fine = TripleState(work_->tables, record.fine);
+    work_->result = work_->clock;
+    work_->at = {record.log_load, record.hint};
+    work_->nodes = record.nodes;
+    work_->crushes_before = record.crushes_before;
+    work_->avalanches_before = record.avalanches_before;
+    work_->load_to(record.settled_at);
+}
+
+ResolvedRecord Resolved::record() const {
+    const Work& w = *work_;
+    return {w.clock.coarse.record(w.tables),
+            w.clock.fine.record(w.tables),
+            w.at.log_load,
+            w.at.hint,
+            w.settled_at,
+            w.nodes,
+            w.crushes_before,
+            w.avalanches_before};
+}
+
 Resolved::~Resolved() = default;
 Resolved::Resolved(const Resolved& other) : work_(std::make_unique<Work>(*other.work_)) {}
 Resolved& Resolved::operator=(const Resolved& other) {

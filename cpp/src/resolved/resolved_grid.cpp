@@ -19,6 +19,7 @@ namespace {
 constexpr double fines_width = 2.0;       // of the fines bin, whose centre is its size as a neighbour
 constexpr double least_range = 8.0;       // between the largest grain and the fines bin, in ln(size)
 constexpr double below_the_start = 1.0;   // between the start and the fines bin
+constexpr double same_size = 1e-12;       // rounding of the log of an exact size
 constexpr double same_edge = 1e-9;        // distance in ln(size) of two edges that are one
 constexpr double negligible_tail = 3e-7;  // share of a spread without a bound beyond five standard deviations
 
@@ -96,7 +97,7 @@ ResolvedGrid::ResolvedGrid(std::vector<double> lower, std::vector<double> upper)
 
 ResolvedGrid ResolvedGrid::graded(double fabric_width, double bottom, std::vector<double> exact,
                                   const std::vector<Support>& supports, const NodeOptions& options,
-                                  std::vector<double> edges) {
+                                  const std::vector<double>& edges) {
     require(fabric_width > 0.0 && std::isfinite(fabric_width), "fabric_width", fabric_width,
             "greater than 0 and finite");
     require(options.spacing > 0.0, "spacing", options.spacing, "greater than 0");
@@ -139,19 +140,20 @@ ResolvedGrid ResolvedGrid::graded(double fabric_width, double bottom, std::vecto
             ++next;
         }
     }
-    return ResolvedGrid(std::move(lower), std::move(upper));
+    return {std::move(lower), std::move(upper)};
 }
 
 Index ResolvedGrid::node_of(double psi) const {
-    if (!(psi <= upper_.back())) {
+    if (!(psi <= upper_.back() + same_size)) {
         throw ParameterError({.parameter = "psi",
                               .value = text(psi),
                               .number = psi,
                               .rule = "the nodes end at " + text(upper_.back())});
     }
-    Index i = nodes() - 1;
-    while (i > 0 && (lower(i) > psi || (lower(i) == psi && !exact(i)))) --i;
-    return i;
+    for (Index i = nodes() - 1; i > 0; --i) {
+        if (exact(i) ? std::abs(psi - lower(i)) <= same_size : psi > lower(i) + same_size) return i;
+    }
+    return 0;
 }
 
 std::vector<double> node_pmf(const Grading& grading, const ResolvedGrid& grid) {

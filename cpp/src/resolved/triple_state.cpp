@@ -58,6 +58,39 @@ TripleState::TripleState(const TripleTables& tables, const Array<double>& mass)
     }
 }
 
+TripleState::TripleState(const TripleTables& tables, const TripleRecord& record)
+    : TripleState(tables, Array<double>(record.settled)) {
+    level_ = record.level;
+    crushes_ = record.crushes;
+    avalanches_ = record.avalanches;
+    const Index nodes = tables.nodes();
+    const Array<double> pending(record.pending);
+    for (Index k = 0; k < nodes * nodes; ++k) {
+        std::copy_n(pending.data() + k * nodes, nodes, pending_.data() + k * tables.stride());
+    }
+    for (Index b = 1; b < nodes; ++b) {
+        const double half_width = tables.half_width(b, level_);
+        for (Index a = 0; a < nodes; ++a) {
+            const Reach reach = tables.reach(b, a, level_, half_width);
+            reach_[b * nodes + a] = reach;
+            for (Index c = reach.first; c <= reach.last; ++c)
+                share_[row(tables, b, a) + c] = tables.share(b, a, c, level_, half_width);
+        }
+    }
+}
+
+TripleRecord TripleState::record(const TripleTables& tables) const {
+    const Index nodes = tables.nodes();
+    TripleRecord record{{}, {}, level_, crushes_, avalanches_};
+    for (Index k = 0; k < nodes * nodes; ++k) {
+        const double* settled = settled_.data() + k * tables.stride();
+        const double* pending = pending_.data() + k * tables.stride();
+        record.settled.insert(record.settled.end(), settled, settled + nodes);
+        record.pending.insert(record.pending.end(), pending, pending + nodes);
+    }
+    return record;
+}
+
 std::vector<double> TripleState::pmf(const TripleTables& tables) const {
     std::vector<double> mass;
     for (Index b = 0; b < tables.nodes(); ++b) {
@@ -123,8 +156,8 @@ void TripleState::overrun(const TripleTables& tables, double level) {
             for (Index c = reach.first; c <= reach.last; ++c) {
                 double& share = share_[at + c];
                 if (share == 1.0) continue;
-                const double after = std::max(tables.share(b, a, c, level, half_width), share);
-                const double taken = settled_[at + c] * ((after - share) / (1.0 - share));
+                const double after = tables.share(b, a, c, level, half_width);
+                const double taken = settled_[at + c] * (std::max(after - share, 0.0) / (1.0 - share));
                 settled_[at + c] -= taken;
                 pending_[at + c] += taken;
                 avalanches_ += taken;

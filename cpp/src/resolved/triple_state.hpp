@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/arrays.hpp"
+#include "comminute/resolved.hpp"
 #include "resolved/triple_tables.hpp"
 #include "simd/lanes.hpp"
 
@@ -47,6 +48,9 @@ class TripleState {
     TripleState(const TripleTables& tables, const std::vector<double>& pmf);
     /// Counted triples. @param mass (N, N, N) of centre, left and right neighbour
     TripleState(const TripleTables& tables, const Array<double>& mass);
+    /// A state as `record` gave it, in every bit: shares and reach follow from the load.
+    TripleState(const TripleTables& tables, const TripleRecord& record);
+    TripleRecord record(const TripleTables& tables) const;
 
     double level() const { return level_; }
     double crushes() const { return crushes_; }

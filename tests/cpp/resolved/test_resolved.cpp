@@ -163,9 +163,12 @@ TEST_CASE("loads on the way, unloading, copies and threads change no bit") {
         Resolved stepped(c.grid, c.material, c.pmf, c.options);
         for (const double load : {0.3, 1.0, 1.01, 7.0, 3.0, 40.0}) stepped.load_to(load);
         Resolved copy = stepped;
+        Resolved stored(c.grid, c.material, stepped.record(), c.options);
+        CHECK(stored.triples() == stepped.triples());
         stepped.load_to(60.0);
         copy.load_to(60.0);
-        for (const Resolved* other : {&stepped, &copy}) {
+        stored.load_to(60.0);
+        for (const Resolved* other : {&stepped, &copy, &stored}) {
             CHECK(other->pmf() == at_once.pmf());
             CHECK(other->triples() == at_once.triples());
             CHECK(other->crushes() == at_once.crushes());

@@ -8,7 +8,19 @@ import re
 import sys
 from pathlib import Path
 
-ROOMS = ("base", "simd", "model", "zones", "fabric", "gradings", "spreading", "stepping", "sweeping", "resolved", "lattice")
+ROOMS = (
+    "base",
+    "simd",
+    "model",
+    "zones",
+    "fabric",
+    "gradings",
+    "spreading",
+    "stepping",
+    "sweeping",
+    "resolved",
+    "lattice",
+)
 # The witness must not share code with what it is to witness.
 SEES = {"lattice": {"base", "model", "fabric", "gradings", "lattice"}}
 # Public headers that hold no more than declarations, and need no .cpp file.
