@@ -64,6 +64,7 @@ from comminute._core import (
     stress_ratio_at,
     uniform_size,
 )
+from comminute.closures import ClosureComparison, compare_closures
 from comminute.files.storage import EditedFileWarning
 from comminute.gradings.breakage import (
     Breakage,
@@ -89,6 +90,7 @@ from comminute.simulation import Simulation
 __all__ = [
     "Atom",
     "Breakage",
+    "ClosureComparison",
     "Comparison",
     "CrushZones",
     "EditedFileWarning",
@@ -134,6 +136,7 @@ __all__ = [
     "breakage_potential",
     "cell_kernel",
     "compare",
+    "compare_closures",
     "critical_stress_ratio",
     "crush_zones",
     "curvature",

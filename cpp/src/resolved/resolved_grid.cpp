@@ -185,26 +185,23 @@ std::vector<double> node_pmf(const Grading& grading, const ResolvedGrid& grid) {
 
 ResolvedGrid fitting_nodes(const Grading& grading, double fabric_width, const NodeOptions& options) {
     const double top = std::log(grading.largest());
-    std::vector<double> exact;
-    std::vector<double> edges;
-    std::vector<Support> supports;
-    double lowest = top;
     if (const auto* points = std::get_if<PointMasses>(&grading.law)) {
+        std::vector<double> exact;
         for (const double size : points->size) exact.push_back(std::log(size));
-        lowest = exact.front();
-    } else {
-        if (const auto* sieves = std::get_if<SieveCurve>(&grading.law)) {
-            for (const double size : sieves->size) edges.push_back(std::log(size));
-            lowest = edges.front();
-        } else {
-            lowest = std::log(std::max(grading.smallest(), grading.smallest(negligible_tail)));
-        }
-        supports.push_back({lowest, top});
-        lowest = std::max(lowest, std::log(grading.smallest(1e-3)));
+        const double bottom = std::min(top - least_range, exact.front() - below_the_start);
+        return ResolvedGrid::graded(fabric_width, bottom, exact, {}, options);
     }
-    const double bottom = std::min({top - least_range, lowest - below_the_start,
-                                    supports.empty() ? lowest : supports.front().lower - below_the_start});
-    return ResolvedGrid::graded(fabric_width, bottom, exact, supports, options, edges);
+    std::vector<double> edges;
+    double lowest = 0.0;
+    if (const auto* sieves = std::get_if<SieveCurve>(&grading.law)) {
+        for (const double size : sieves->size) edges.push_back(std::log(size));
+        lowest = edges.front();
+    } else {
+        lowest = std::log(std::max(grading.smallest(), grading.smallest(negligible_tail)));
+    }
+    const double bottom = std::min(
+        {top - least_range, lowest - below_the_start, std::log(grading.smallest(1e-3)) - below_the_start});
+    return ResolvedGrid::graded(fabric_width, bottom, {}, {{lowest, top}}, options, edges);
 }
 
 }  // namespace comminute

@@ -273,6 +273,30 @@ def plot(
 
 @app.command()
 @plain_errors
+def compare_closures(
+    case: Annotated[Path, typer.Argument(metavar="CASE.toml")],
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Picture: .png, .pdf or .svg.")] = None,
+    cells: Annotated[int, typer.Option("--cells", help="Cells of each of the lattice's four rings.")] = 100_000,
+    threads: Annotated[int, typer.Option("--threads", help="Threads of the lattice.")] = 1,
+    as_json: Json = False,
+    force: Force = False,
+) -> None:
+    """Hold the paper's closure and the resolved one against the lattice, at the loads of a case."""
+    from comminute.cli import closures as cli_closures  # noqa: PLC0415  (keeps the other commands quick)
+
+    if output is not None:
+        _require_writable(output, cli_closures.ENDINGS)
+        _refuse_existing(output, force)
+    found = cli_closures.compared(read_case(case), cells=cells, threads=threads)
+    print(json.dumps(cli_closures.record(found)) if as_json else f"{found.table()}\n{found.advice}")
+    if output is not None:
+        found.plot().savefig(output)
+        if not as_json:
+            print(f"wrote {output}")
+
+
+@app.command()
+@plain_errors
 def cite() -> None:
     """Print what to cite."""
     print(cli_texts.citation())

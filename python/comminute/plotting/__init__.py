@@ -1,5 +1,6 @@
 """Plots with matplotlib, each on an `Axes` of the caller's choice; nothing here opens a window."""
 
+from comminute.plotting.closures import plot_closures
 from comminute.plotting.comparison import (
     plot_cdf_families,
     plot_comparison,
@@ -21,6 +22,7 @@ __all__ = [
     "PRINT_STYLE",
     "figure_size",
     "plot_cdf_families",
+    "plot_closures",
     "plot_comparison",
     "plot_curves",
     "plot_distances",
