@@ -51,7 +51,7 @@ struct ResolvedRecord {
 /// for nor their number change a bit, and results are extrapolated from both: second order in the step. Between loads
 /// that fall nothing changes.
 ///
-/// Memory is 12 N^3 numbers and some N^2, time N^4 a step, some 200 to 500 of them: for 46 nodes a tenth of a second in
+/// Memory is 14 N^3 numbers and some N^2, time N^4 a step, some 200 to 500 of them: for 46 nodes a tenth of a second in
 /// all.
 ///
 /// @code{.cpp}

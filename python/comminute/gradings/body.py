@@ -148,7 +148,7 @@ def chosen_sample(layout: Layout, sample: str | int | None) -> Layout:
         For several samples of which none is asked for, one that is not there, or a sample asked of a table of one.
     """
     long = _sample_names(layout)
-    if long:
+    if any(name and not row_meaning(name) for name in long):  # a total or a pan names no sample
         return _rows_of(layout, long, sample)
     wide = _sample_columns(layout, named=sample is not None)
     if wide:

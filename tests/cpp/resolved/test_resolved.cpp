@@ -107,13 +107,17 @@ TEST_CASE("gradings of two sizes, and of a packing that is mixed anew, are that 
     while (!(grid.exact(small) && grid.lower(small) == -2.25)) ++small;
     pmf.back() = pmf[at(small)] = 0.5;
     Resolved two(grid, with_width(0.05), pmf);
-    const std::vector<std::pair<double, std::pair<double, double>>> rows{
-        {1.0, {.421001, .5}}, {8.0, {.417608, .5}}, {100.0, {.415801, .417460}}, {1e4, {.413266, .414357}}};
-    for (const auto& [load, shares] : rows) {
-        CAPTURE(load);
-        two.load_to(load);
-        CHECK(std::abs(two.pmf().back() - shares.first) < 1e-5);
-        CHECK(std::abs(two.pmf()[at(small)] - shares.second) < 1e-5);
+    struct Shares {
+        double load;
+        double large;
+        double small;
+    };
+    for (const Shares& row : {Shares{1.0, .421001, .5}, Shares{8.0, .417608, .5},
+                              Shares{100.0, .415801, .417460}, Shares{1e4, .413266, .414357}}) {
+        CAPTURE(row.load);
+        two.load_to(row.load);
+        CHECK(std::abs(two.pmf().back() - row.large) < 1e-5);
+        CHECK(std::abs(two.pmf()[at(small)] - row.small) < 1e-5);
     }
     CHECK(std::abs(finer(two, -1.0) + two.pmf()[at(small)] - .550764) < 1e-5);
     CHECK(std::abs(two.crushes() - .198477) < 1e-5);

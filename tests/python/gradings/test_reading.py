@@ -268,3 +268,11 @@ def test_files_that_are_none(tmp_path: Path) -> None:
         read(tmp_path, b"size_mm\x00\x00")
     with pytest.raises(cm.ParameterError, match=r"unit is 'furlong'; it must be one of"):
         read(tmp_path, FORMS["tabs"], unit="furlong")
+
+
+def test_a_total_in_the_column_of_samples_names_none(tmp_path: Path) -> None:
+    table = tmp_path / "table.csv"
+    table.write_text("sample,size mm,percent passing\ntotal,2,100\ntotal,1,60\ntotal,0.5,20\n")
+    assert cm.Grading.read(table).finer([2.0, 1.0, 0.5]).tolist() == pytest.approx([1.0, 0.6, 0.2])
+    with pytest.raises(cm.ParameterError, match="one sample without a name"):
+        cm.Grading.read(table, sample="A")
