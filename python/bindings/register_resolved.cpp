@@ -287,7 +287,8 @@ Examples
                  return "<ResolvedGrid: " + std::to_string(g.nodes()) + " nodes, " + std::to_string(exact) +
                         " of them exact, " + text(g.upper(0)) + " to " + text(g.upper(g.nodes() - 1)) + ">";
              })
-        .def("__eq__", [](const ResolvedGrid& a, const ResolvedGrid& b) { return a == b; })
+        .def(
+            "__eq__", [](const ResolvedGrid& a, const ResolvedGrid& b) { return a == b; }, py::is_operator())
         .def("__hash__",
              [](const ResolvedGrid& g) {
                  return py::hash(py::make_tuple(g.nodes(), g.lower(1), g.upper(g.nodes() - 1)));
@@ -452,6 +453,18 @@ ParameterError
                  return "<Resolved: " + std::to_string(l.fixed().grid().nodes()) + " nodes, at rest under " +
                         text(load) + ", " + shown + " crushes a cell>";
              })
+        .def(
+            "__eq__",
+            [](const Law& a, const Law& b) {
+                const ResolvedOptions& one = a.fixed().options();
+                const ResolvedOptions& other = b.fixed().options();
+                const bool alike = a.fixed().grid() == b.fixed().grid() &&
+                                   a.fixed().material() == b.fixed().material() && one.mean == other.mean &&
+                                   one.tolerance == other.tolerance && one.max_step == other.max_step;
+                const auto record = [](const Resolved& r) { return r.record(); };
+                return alike && a.with(record) == b.with(record);
+            },
+            py::is_operator())
         .def("__copy__", [](const Law& l) { return Law(l); })
         .def(
             "__deepcopy__", [](const Law& l, const py::dict&) { return Law(l); }, py::arg("memo"))

@@ -27,6 +27,11 @@ struct TripleRecord {
     double level = 0.0;           ///< load
     double crushes = 0.0;
     double avalanches = 0.0;
+
+    friend bool operator==(const TripleRecord& a, const TripleRecord& b) {
+        return a.settled == b.settled && a.pending == b.pending && a.level == b.level &&
+               a.crushes == b.crushes && a.avalanches == b.avalanches;
+    }
 };
 
 /// All that the future of a `Resolved` depends on beside its grid, material and options, for storage.
@@ -39,6 +44,12 @@ struct ResolvedRecord {
     Index nodes = 0;              ///< of the clock, since the last mixing
     double crushes_before = 0.0;  ///< the last mixing
     double avalanches_before = 0.0;
+
+    friend bool operator==(const ResolvedRecord& a, const ResolvedRecord& b) {
+        return a.coarse == b.coarse && a.fine == b.fine && a.log_load == b.log_load && a.hint == b.hint &&
+               a.settled_at == b.settled_at && a.nodes == b.nodes && a.crushes_before == b.crushes_before &&
+               a.avalanches_before == b.avalanches_before;
+    }
 };
 
 /// The neighbour-resolved continuum: the law P(b; a, c) of three adjacent cells, a centre between two neighbours, in place

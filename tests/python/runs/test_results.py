@@ -65,6 +65,9 @@ THINGS = [
     cm.breakage_index(cm.monodisperse(1.0), cm.fuller(1.0)),
     cm.fractal_dimension(cm.fuller(16.0), 0.1, 10.0),
     cm.milling(SAND, SAND),
+    cm.ResolvedGrid.graded(0.05, -8.0, [0.0]),
+    cm.Resolved(MATERIAL, cm.monodisperse(1.0)),
+    cm.compare_closures(MATERIAL, cm.monodisperse(1.0), stress_ratio=2.0, cells=200),
     cm.Zone(1),
 ]
 FAULTS = [
