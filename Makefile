@@ -88,11 +88,12 @@ check-long: $(VENV)/.installed
 	ls cpp/src/*/*.cpp | xargs -P 2 -n 1 clang-tidy --quiet -p build/release --checks='-*,clang-analyzer-*' \
 	  --extra-arg=-Wno-unknown-warning-option
 	COMMINUTE_HYPOTHESIS=long $(PY) -m pytest -q tests/laws/test_against_reference.py tests/laws/test_laws.py \
-	  tests/laws/test_default_grid.py tests/laws/test_true_warnings.py \
+	  tests/laws/test_default_grid.py tests/laws/test_true_warnings.py tests/python/resolved \
 	  tests/python/lattice/test_lattice.py
 	$(PY) tests/support/mutations.py 60000 30000 20000 100000
 	$(PY) tests/support/kills.py 50
 	$(PY) tests/long/fuzz_quasi_static.py
+	$(PY) tests/long/fuzz_three_cells.py
 	$(PY) tests/long/lattice_statistics.py
 
 clean:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Grading, Material, Resolved
+from comminute._core import Grading, LogGrid, Material, Resolved
 from comminute.gradings.curves import SizeCurve
 from comminute.lattice.comparison import Comparison
 from comminute.lattice.statistics import mean_and_error
@@ -17,7 +17,7 @@ from comminute.lattices import Lattice
 from comminute.runs.load_path import load_path
 from comminute.runs.remarks import load_text
 from comminute.simulation import Simulation
-from comminute.util.choices import Mean
+from comminute.util.choices import Mean, Scheme
 from comminute.util.equality import same_values
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class ClosureComparison:
     replicas : int
         Rings of the lattice.
     step_error : ndarray (T,)
-        Error of the resolved closure by its steps, at most.
+        Difference of the coarse and the fine state of the resolved closure, which bounds its error by steps.
     unit : str
         Unit of the sizes, as text.
 
@@ -148,6 +148,8 @@ def compare_closures(
     stress: float | Iterable[float] | None = None,
     remix_after: Iterable[int] = (),
     mean: Mean = "arithmetic",
+    grid: LogGrid | None = None,
+    scheme: Scheme = "conservative",
     cells: int = 100_000,
     replicas: int = 4,
     seed: int = 0,
@@ -166,6 +168,10 @@ def compare_closures(
         Indices of the loads after which the packing is mixed anew.
     mean : {"arithmetic", "geometric"}
         How two neighbours make a neighbourhood grainsize.
+    grid : LogGrid, optional
+        Bins of the paper's closure; see `Simulation`.
+    scheme : {"conservative", "paper"}
+        Scheme of the paper's closure; see `Simulation`.
     cells, replicas, seed, threads : int
         The lattice has `cells` times `replicas` grains, and noise of about .5 / sqrt of that number.
 
@@ -190,7 +196,7 @@ def compare_closures(
     path = load_path(material, stress_ratio, stress, 0.0, remix_after)
     law = Resolved(material, start, mean=mean)
     rings = Lattice(cells, material, start, replicas=replicas, seed=seed, threads=threads, mean=mean)
-    simulation = Simulation(material, start, mean=mean)
+    simulation = Simulation(material, start, grid=grid, mean=mean, scheme=scheme)
     run = simulation.run(stress_ratio=path.stress_ratio, remix_after=sorted(path.remix_after), keep_fabrics=[])
 
     ends, next_exact = law.grid.upper, np.append(law.grid.exact[1:], False)

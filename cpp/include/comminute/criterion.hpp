@@ -90,9 +90,9 @@ class COMMINUTE_API CrushZones {
     /// 0 at the tip, -1 where nothing crushes, inf where the fabric is off.
     double half_width(double psi) const;
 
-    /// Log size below which results are not exact because the zone reaches the fines bin, whose grains are
-    /// treated as if they had its centre's size; -inf where the zone keeps clear of it (or sizes alone
-    /// decide).
+    /// Log size below which a load on a packing that was mixed once is not exact, because the zone reaches the fines bin,
+    /// whose grains are treated as if they had its centre's size; -inf where the zone keeps clear of it (or sizes alone
+    /// decide). A later mixing hands the error on to larger grains.
     double distrusted_below() const;
 
   private:

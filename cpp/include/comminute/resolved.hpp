@@ -124,7 +124,7 @@ class COMMINUTE_API Resolved {
     double crushes() const;
     /// Avalanches a cell has begun since the start: crushes that the load brought about, not a neighbour's crush.
     double avalanches() const;
-    /// Largest difference of the coarse and the fine curve, several times the error of the result by the steps.
+    /// Largest difference of the coarse and the fine curve, as a rule several times the error of the result by the steps.
     double step_error() const;
     /// Largest load since the last mixing; 0 before any.
     double settled_at() const;

@@ -84,5 +84,10 @@ COMMINUTE_API std::vector<double> node_pmf(const Grading& grading, const Resolve
 /// @throws ParameterError as `ResolvedGrid::graded`
 COMMINUTE_API ResolvedGrid fitting_nodes(const Grading& grading, double fabric_width,
                                          const NodeOptions& options = {});
+/// The same for cells as they are: their exact sizes, and all others as one support, but for the finest thousandth.
+/// @param psi    log sizes, at least one
+/// @param exact  sizes among them that many cells have, as `LatticeState::points` gives them
+COMMINUTE_API ResolvedGrid fitting_nodes(VectorView<const double> psi, const std::vector<PointMass>& exact,
+                                         double fabric_width, const NodeOptions& options = {});
 
 }  // namespace comminute

@@ -85,7 +85,7 @@ struct Resolved::Work {
         while (true) {
             hardness =
                 clock.coarse.overrun_mass(tables, tables.level(at.log_load + step)) / options.tolerance;
-            if (hardness <= 1.0 || step < least_step) break;
+            if (!(hardness > 1.0) || step < least_step) break;
             step *= std::clamp(0.9 / hardness, 0.1, 0.8);
         }
         const double longer = hardness > 0.0 ? std::clamp(0.9 / hardness, 1.0, 4.0) : 4.0;

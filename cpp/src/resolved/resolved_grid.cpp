@@ -204,4 +204,26 @@ ResolvedGrid fitting_nodes(const Grading& grading, double fabric_width, const No
     return ResolvedGrid::graded(fabric_width, bottom, {}, {{lowest, top}}, options, edges);
 }
 
+ResolvedGrid fitting_nodes(VectorView<const double> psi, const std::vector<PointMass>& exact,
+                           double fabric_width, const NodeOptions& options) {
+    require(psi.size() >= 1, "cells", static_cast<double>(psi.size()), "at least 1");
+    std::vector<double> sizes(psi.begin(), psi.end());
+    std::sort(sizes.begin(), sizes.end());
+    const double top = sizes.back();
+    const double lowest = sizes[sizes.size() / 1000];
+    std::vector<double> points;
+    points.reserve(exact.size());
+    for (const PointMass& point : exact) points.push_back(point.psi);
+    const auto is_exact = [&](double size) {
+        const auto same = [size](double other) { return std::abs(size - other) <= same_size; };
+        return std::any_of(points.begin(), points.end(), same);
+    };
+    sizes.erase(std::remove_if(sizes.begin(), sizes.end(), is_exact), sizes.end());
+    std::vector<Support> supports;
+    if (!sizes.empty() && std::max(sizes.front(), lowest) < sizes.back())
+        supports.push_back({std::max(sizes.front(), lowest), sizes.back()});
+    const double bottom = std::min(top - least_range, lowest - below_the_start);
+    return ResolvedGrid::graded(fabric_width, bottom, points, supports, options);
+}
+
 }  // namespace comminute

@@ -13,6 +13,9 @@ namespace comminute::detail {
 
 namespace {
 
+// Mass so small that shares of it would be rounded to nothing or to all of it; it stays pending.
+constexpr double negligible_mass = 1e-200;
+
 constexpr Index pair_of(Index a, Index c) {
     return a * (a + 1) / 2 + c;  // c <= a
 }
@@ -68,15 +71,11 @@ TripleState::TripleState(const TripleTables& tables, const TripleRecord& record)
     for (Index k = 0; k < nodes * nodes; ++k) {
         std::copy_n(pending.data() + k * nodes, nodes, pending_.data() + k * tables.stride());
     }
-    for (Index b = 1; b < nodes; ++b) {
-        const double half_width = tables.half_width(b, level_);
-        for (Index a = 0; a < nodes; ++a) {
-            const Reach reach = tables.reach(b, a, level_, half_width);
-            reach_[b * nodes + a] = reach;
-            for (Index c = reach.first; c <= reach.last; ++c)
-                share_[row(tables, b, a) + c] = tables.share(b, a, c, level_, half_width);
-        }
-    }
+    tables.for_each_reach(level_, [&](Index b, Index a, Reach reach, double half_width) {
+        reach_[b * nodes + a] = reach;
+        for (Index c = reach.first; c <= reach.last; ++c)
+            share_[row(tables, b, a) + c] = tables.share(b, a, c, level_, half_width);
+    });
 }
 
 TripleRecord TripleState::record(const TripleTables& tables) const {
@@ -113,24 +112,19 @@ double TripleState::pair_mass(const TripleTables& tables, Index b, Index a) cons
 double TripleState::overrun_mass(const TripleTables& tables, double level) const {
     double total = 0.0;
     double clash = 0.0;
-    for (Index b = 1; b < tables.nodes(); ++b) {
-        const double half_width = tables.half_width(b, level);
-        if (half_width == 0.0) continue;
-        for (Index a = 0; a < tables.nodes(); ++a) {
-            const Reach reach = tables.reach(b, a, level, half_width);
-            const Index at = row(tables, b, a);
-            double shell = 0.0;
-            for (Index c = reach.first; c <= reach.last; ++c) {
-                const double before = share_[at + c];
-                if (before == 1.0 || settled_[at + c] == 0.0) continue;
-                const double after = tables.share(b, a, c, level, half_width);
-                shell += settled_[at + c] * std::max(after - before, 0.0) / (1.0 - before);
-            }
-            if (shell <= 0.0) continue;
-            total += shell;
-            clash += shell * shell / pair_mass(tables, b, a);
+    tables.for_each_reach(level, [&](Index b, Index a, Reach reach, double half_width) {
+        const Index at = row(tables, b, a);
+        double shell = 0.0;
+        for (Index c = reach.first; c <= reach.last; ++c) {
+            const double before = share_[at + c];
+            if (before == 1.0 || settled_[at + c] == 0.0) continue;
+            const double after = tables.share(b, a, c, level, half_width);
+            shell += settled_[at + c] * std::max(after - before, 0.0) / (1.0 - before);
         }
-    }
+        if (shell <= 0.0) return;
+        total += shell;
+        clash += shell * shell / pair_mass(tables, b, a);
+    });
     return std::max(total, std::sqrt(clash));
 }
 
@@ -146,25 +140,20 @@ void TripleState::step(const TripleTables& tables, double level, TripleScratch& 
 // Zones are nested, and settled mass lies evenly outside the one before.
 void TripleState::overrun(const TripleTables& tables, double level) {
     level_ = level;
-    for (Index b = 1; b < tables.nodes(); ++b) {
-        const double half_width = tables.half_width(b, level);
-        if (half_width == 0.0) continue;
-        for (Index a = 0; a < tables.nodes(); ++a) {
-            const Reach reach = tables.reach(b, a, level, half_width);
-            const Index at = row(tables, b, a);
-            reach_[b * tables.nodes() + a] = reach;
-            for (Index c = reach.first; c <= reach.last; ++c) {
-                double& share = share_[at + c];
-                if (share == 1.0) continue;
-                const double after = tables.share(b, a, c, level, half_width);
-                const double taken = settled_[at + c] * (std::max(after - share, 0.0) / (1.0 - share));
-                settled_[at + c] -= taken;
-                pending_[at + c] += taken;
-                avalanches_ += taken;
-                share = after;
-            }
+    tables.for_each_reach(level, [&](Index b, Index a, Reach reach, double half_width) {
+        const Index at = row(tables, b, a);
+        reach_[b * tables.nodes() + a] = reach;
+        for (Index c = reach.first; c <= reach.last; ++c) {
+            double& share = share_[at + c];
+            if (share == 1.0) continue;
+            const double after = tables.share(b, a, c, level, half_width);
+            const double taken = settled_[at + c] * (std::max(after - share, 0.0) / (1.0 - share));
+            settled_[at + c] -= taken;
+            pending_[at + c] += taken;
+            avalanches_ += taken;
+            share = after;
         }
-    }
+    });
 }
 
 void TripleState::count_pairs(const TripleTables& tables, TripleScratch& scratch) const {
@@ -196,12 +185,12 @@ void TripleState::release(const TripleTables& tables, TripleScratch& scratch) {
     }
 
     std::fill(scratch.first_of_pair.begin(), scratch.first_of_pair.end(), Index{0});
-    const auto for_each_reach = [&](const auto& visit) {
+    const auto for_each_pending = [&](const auto& visit) {
         for (Index b = 1; b < nodes; ++b) {
             for (Index a = 0; a < nodes; ++a) visit(b, a, reach_[b * nodes + a]);
         }
     };
-    for_each_reach([&](Index, Index a, Reach reach) {
+    for_each_pending([&](Index, Index a, Reach reach) {
         for (Index c = reach.first; c <= std::min(reach.last, a); ++c)
             ++scratch.first_of_pair[pair_of(a, c) + 1];
     });
@@ -211,12 +200,13 @@ void TripleState::release(const TripleTables& tables, TripleScratch& scratch) {
     }
     scratch.active.resize(static_cast<std::size_t>(scratch.first_of_pair.back()));
     std::fill(scratch.crushing.begin(), scratch.crushing.end(), 0.0);
-    for_each_reach([&](Index b, Index a, Reach reach) {
+    for_each_pending([&](Index b, Index a, Reach reach) {
         const Index at = row(tables, b, a);
         const double* limit = scratch.limit.data() + b * stride;
         double crushing = 0.0;
         for (Index c = reach.first; c <= reach.last; ++c) {
-            const double crushes = pending_[at + c] * (limit[a] * limit[c]);
+            double crushes = pending_[at + c] * (limit[a] * limit[c]);
+            if (crushes < negligible_mass) crushes = 0.0;
             pending_[at + c] -= crushes;
             crushing += crushes;
             if (c <= a)

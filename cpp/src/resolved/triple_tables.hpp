@@ -51,6 +51,16 @@ class TripleTables {
     /// Neighbours c for which that share is not 0.
     Reach reach(Index b, Index a, double level, double half_width) const;
 
+    /// Calls visit(b, a, reach, half_width) for every centre b that is active beside a under a load.
+    template <class Visit>
+    void for_each_reach(double level, const Visit& visit) const {
+        for (Index b = 1; b < nodes_; ++b) {
+            const double half = half_width(b, level);
+            if (half == 0.0) continue;
+            for (Index a = 0; a < nodes_; ++a) visit(b, a, reach(b, a, level, half), half);
+        }
+    }
+
   private:
     double tie(Index b, Index a, Index c, double level) const;
     void set_fragments();

@@ -8,6 +8,7 @@ import sys
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from types import ModuleType
 from typing import Annotated, NoReturn, ParamSpec
 
 import typer
@@ -236,6 +237,16 @@ def stats(
     print(json.dumps(cli_stats.as_json(found)) if as_json else cli_stats.as_text(found))
 
 
+def _plots(what: str) -> ModuleType:
+    """Import the module that draws; the error names the extra where matplotlib is missing."""
+    try:
+        from comminute.cli import plots  # noqa: PLC0415  (matplotlib is optional)
+    except ImportError as error:
+        message = f"{what} needs matplotlib; install it with: pip install 'comminute[plot]'"
+        raise ImportError(message) from error
+    return plots
+
+
 @app.command()
 @plain_errors
 def plot(
@@ -256,11 +267,7 @@ def plot(
     force: Force = False,
 ) -> None:
     """Draw a sieve table or a result to a picture file; no window opens."""
-    try:
-        from comminute.cli import plots as cli_plots  # noqa: PLC0415  (matplotlib is optional)
-    except ImportError as error:
-        message = "plot needs matplotlib; install it with: pip install 'comminute[plot]'"
-        raise ImportError(message) from error
+    cli_plots = _plots("plot")
     target = output or file.with_suffix(".png")
     _require_writable(target, cli_plots.ENDINGS)
     _refuse_existing(target, force)
@@ -285,12 +292,13 @@ def compare_closures(
     from comminute.cli import closures as cli_closures  # noqa: PLC0415  (keeps the other commands quick)
 
     if output is not None:
-        _require_writable(output, cli_closures.ENDINGS)
+        cli_plots = _plots("--output")
+        _require_writable(output, cli_plots.ENDINGS)
         _refuse_existing(output, force)
     found = cli_closures.compared(read_case(case), cells=cells, threads=threads)
     print(json.dumps(cli_closures.record(found)) if as_json else f"{found.table()}\n{found.advice}")
     if output is not None:
-        found.plot().savefig(output)
+        cli_plots.save(found.plot(), output)
         if not as_json:
             print(f"wrote {output}")
 

@@ -9,8 +9,6 @@ from comminute.cases.reading import ReadyCase
 from comminute.closures import ClosureComparison, compare_closures
 from comminute.util.errors import parameter_error
 
-ENDINGS = (".png", ".pdf", ".svg")
-
 
 def compared(cases: list[ReadyCase], *, cells: int, threads: int) -> ClosureComparison:
     """Compare the closures at the loads of one case.
@@ -26,10 +24,13 @@ def compared(cases: list[ReadyCase], *, cells: int, threads: int) -> ClosureComp
     (ready,) = cases
     load, engine = ready.resolved.load, ready.resolved.engine
     rates = [load.loading_rate] if isinstance(load.loading_rate, int | float) else list(load.loading_rate)
+    quasi_static = "the lattice and the resolved closure are quasi-static: it must be"
     if any(rates):
-        raise parameter_error(
-            "loading_rate", max(rates), "the lattice and the resolved closure are quasi-static: it must be 0"
-        )
+        raise parameter_error("loading_rate", max(rates), f"{quasi_static} 0")
+    if engine.kind not in (None, "slow"):
+        raise parameter_error("kind", f"'{engine.kind}'", f"{quasi_static} 'slow', or left out")
+    if engine.steps_per_load != "rest":
+        raise parameter_error("steps_per_load", engine.steps_per_load, f"{quasi_static} 'rest'")
     kind, values = next(iter(ready.loads().items()))
     return compare_closures(
         ready.material,
@@ -37,6 +38,8 @@ def compared(cases: list[ReadyCase], *, cells: int, threads: int) -> ClosureComp
         **{kind: values},  # type: ignore[arg-type]
         remix_after=load.remix_after,
         mean=engine.mean,
+        grid=ready.grid,
+        scheme=engine.scheme,
         cells=cells,
         replicas=4,
         threads=threads,

@@ -46,6 +46,11 @@ def draw(file: Path, target: Path, *, what: str, load: int, table: dict[str, Any
             figure = plotting.plot_result(result, load)
         else:
             _indices(result, figure)
+    save(figure, target)
+
+
+def save(figure: Figure, target: Path) -> None:
+    """Write a picture file, whole or not at all."""
     write_whole(target, lambda path: figure.savefig(path, format=target.suffix[1:], dpi=150))
 
 

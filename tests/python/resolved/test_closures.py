@@ -111,7 +111,25 @@ def test_the_command_prints_distances_and_advice(tmp_path: Path) -> None:
     case.write_text(CASE + "loading_rate = 0.1\n")
     refused = CliRunner().invoke(app, call)
     assert refused.exit_code == 2
-    assert "the lattice and the resolved closure are quasi-static" in refused.output
+    assert "the lattice and the resolved closure are quasi-static: it must be 0" in refused.output
+    case.write_text(CASE + "[engine]\nsteps_per_load = 3\n")
+    assert "steps_per_load is 3" in CliRunner().invoke(app, call).output
+    case.write_text(CASE + "[engine]\nkind = 'fast'\n")
+    assert "kind is 'fast'" in CliRunner().invoke(app, call).output
+
+
+@pytest.mark.filterwarnings("ignore:bins are .* wide")  # few on purpose
+def test_bins_and_scheme_of_the_case_are_those_of_the_papers_closure(tmp_path: Path) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text(CASE + "[grid]\npsi_min = -6.0\npsi_max = 0.0\nbins = 61\n[engine]\nscheme = 'paper'\n")
+    found = json.loads(CliRunner().invoke(app, ["compare-closures", str(case), "--cells", "2000", "--json"]).stdout)
+    grid, material, start = cm.LogGrid(-6.0, 0.0, 61), cm.Material(), cm.monodisperse(1.0)
+    ours = cm.compare_closures(
+        material, start, stress_ratio=[1.0, 8.0], grid=grid, scheme="paper", cells=2000, replicas=4
+    )
+    assert found["paper"]["distance"] == ours.distances["paper"].distance.tolist()
+    coarse = cm.Simulation(material, start, grid=grid, scheme="paper").run(stress_ratio=[1.0, 8.0])
+    np.testing.assert_array_equal(ours.paper[1], coarse.curve(1).finer_than(ours.size))
 
 
 def test_a_fabric_that_is_off_has_nothing_to_resolve() -> None:

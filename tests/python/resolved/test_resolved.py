@@ -122,10 +122,11 @@ def test_a_lattice_that_has_crushed_goes_on_from_its_triples() -> None:
     law = cm.Resolved.from_lattice(lattice)
     assert law.mean == lattice.mean
     assert distance(law, lattice) < 1e-12
+    before = float(lattice.crushes.mean())
     lattice.load_to(40.0)
     law.load_to(40.0)
     assert distance(law, lattice) < 0.004 + NOISE
-    assert law.crushes == pytest.approx(float(lattice.crushes.mean()) - 0.0, abs=0.15)
+    assert law.crushes == pytest.approx(float(lattice.crushes.mean()) - before, rel=0.02)
 
 
 def test_avalanches_are_the_lattices() -> None:
@@ -161,7 +162,8 @@ def test_copies_and_pickles_go_on_alike() -> None:
     assert grid != cm.ResolvedGrid.graded(0.05, -9.0, [0.0])
 
 
-@pytest.mark.parametrize("seed", range(200 if LONG else 12))
+# In case 106 the shares of some triples fall below what a double can hold.
+@pytest.mark.parametrize("seed", [*range(200 if LONG else 12), *([] if LONG else [106])])
 def test_the_step_error_is_no_smaller_than_the_error(seed: int) -> None:
     random = np.random.default_rng(seed)
     material = cm.Material(
@@ -178,6 +180,7 @@ def test_the_step_error_is_no_smaller_than_the_error(seed: int) -> None:
     law, exact = (cm.Resolved(material, start, grid, tolerance=tolerance) for tolerance in (0.02, 0.0025))
     law.load_to(load)
     exact.load_to(load)
+    assert np.isfinite(exact.triples()).all()
     error = float(np.abs(law.cdf() - exact.cdf()).max())
     assert error <= law.step_error + exact.step_error
 
