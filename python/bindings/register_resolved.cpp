@@ -289,4 +289,5 @@ ParameterError
                 return std::make_unique<Law>(
                     Resolved(t[0].cast<ResolvedGrid>(), t[1].cast<Material>(), record, options));
             }));
+    register_resolved_batch(m);
 }

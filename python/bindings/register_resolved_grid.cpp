@@ -19,6 +19,10 @@ py::array_t<double> by_node(const ResolvedGrid& grid, const Of& of) {
     return values;
 }
 
+py::object exponential(const py::object& psi) {
+    return py::module_::import("numpy").attr("exp")(psi);
+}
+
 std::vector<Support> supports_of(const std::vector<std::pair<double, double>>& pairs) {
     std::vector<Support> supports;
     for (const auto& [lower, upper] : pairs) supports.push_back({lower, upper});
@@ -102,13 +106,14 @@ Examples
 )doc")
         .def_static(
             "fitting",
-            [](const Grading& grading, double fabric_width, double spacing, double grade,
-               Index support_bins) {
-                return fitting_nodes(grading, fabric_width, node_options(spacing, grade, support_bins));
+            [](const Grading& grading, double fabric_width, const std::vector<double>& edges, double spacing,
+               double grade, Index support_bins) {
+                return fitting_nodes(grading, fabric_width, node_options(spacing, grade, support_bins),
+                                     edges);
             },
             py::arg("grading"), py::arg("fabric_width"), py::kw_only(),
-            py::arg("spacing") = node_defaults.spacing, py::arg("grade") = node_defaults.grade,
-            py::arg("support_bins") = node_defaults.support_bins,
+            py::arg("edges") = std::vector<double>(), py::arg("spacing") = node_defaults.spacing,
+            py::arg("grade") = node_defaults.grade, py::arg("support_bins") = node_defaults.support_bins,
             R"doc(Nodes for a grading: its exact sizes, the ends of its spread, its sieves as ends of bins.
 
 The fines bin begins at least 8 in ln(size) below the largest grain, and 1 below the size that a thousandth of the mass
@@ -118,12 +123,19 @@ Parameters
 ----------
 grading : Grading
 fabric_width : float
+edges : list of float
+    Log sizes at which the curve is wanted, which become ends of bins; the fines bin begins below them.
 spacing, grade, support_bins
     As for `graded`.
 
 Returns
 -------
 ResolvedGrid
+
+Raises
+------
+ParameterError
+    For an edge that is no number, or a width that is not greater than 0.
 
 Examples
 --------
@@ -132,6 +144,27 @@ Examples
 <ResolvedGrid: 50 nodes, 2 of them exact, -8 to 0>
 )doc")
         .def_property_readonly("nodes", &ResolvedGrid::nodes, "Number of nodes, N.")
+        .def_property_readonly("bins", &ResolvedGrid::bins,
+                               "Number of bins, B: of the nodes that are no exact size.")
+        .def_property_readonly(
+            "edges", [](const ResolvedGrid& g) { return copied(g.edges()); },
+            "(B + 1,) edges of the bins, psi; an exact size lies on the upper edge of its bin.")
+        .def_property_readonly(
+            "centres",
+            [](const ResolvedGrid& g) {
+                const std::vector<double> edges = g.edges();
+                std::vector<double> centres;
+                for (std::size_t i = 1; i < edges.size(); ++i)
+                    centres.push_back(0.5 * (edges[i - 1] + edges[i]));
+                return copied(centres);
+            },
+            "(B,) centres of the bins, psi.")
+        .def_property_readonly(
+            "edge_sizes", [](const ResolvedGrid& g) { return exponential(copied(g.edges())); },
+            "(B + 1,) sizes at the edges.")
+        .def_property_readonly(
+            "sizes", [](const py::object& g) { return exponential(g.attr("centres")); },
+            "(B,) sizes at the centres.")
         .def_property_readonly(
             "lower", [](const ResolvedGrid& g) { return by_node(g, [&](Index i) { return g.lower(i); }); },
             "(N,) lower ends in ln(size).")

@@ -59,6 +59,7 @@ from comminute._core import (
     percentile,
     power_law,
     remix,
+    resolved_gradings,
     rosin_rammler,
     stress_function,
     stress_ratio_at,
@@ -82,7 +83,7 @@ from comminute.lattice.comparison import Comparison, compare
 from comminute.lattice.small_ring import SmallRing
 from comminute.lattices import Lattice, TimeSteppedLattice
 from comminute.opening import open_result
-from comminute.result import Interrupted, LatticeResult, Result, run_again
+from comminute.result import Interrupted, LatticeResult, ResolvedResult, Result, run_again
 from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning
 from comminute.simulation import Simulation
@@ -115,6 +116,7 @@ __all__ = [
     "ResolutionWarning",
     "Resolved",
     "ResolvedGrid",
+    "ResolvedResult",
     "Result",
     "Ridge",
     "ShapeError",
@@ -162,6 +164,7 @@ __all__ = [
     "power_law",
     "relative_breakage",
     "remix",
+    "resolved_gradings",
     "rosin_rammler",
     "run_again",
     "sieve_size",

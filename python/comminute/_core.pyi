@@ -531,10 +531,26 @@ class ResolvedGrid:
     ) -> ResolvedGrid: ...
     @staticmethod
     def fitting(
-        grading: Grading, fabric_width: float, *, spacing: float = ..., grade: float = ..., support_bins: int = ...
+        grading: Grading,
+        fabric_width: float,
+        *,
+        edges: Sequence[float] = ...,
+        spacing: float = ...,
+        grade: float = ...,
+        support_bins: int = ...,
     ) -> ResolvedGrid: ...
     @property
     def nodes(self) -> int: ...
+    @property
+    def bins(self) -> int: ...
+    @property
+    def edges(self) -> _Floats: ...
+    @property
+    def centres(self) -> _Floats: ...
+    @property
+    def edge_sizes(self) -> _Floats: ...
+    @property
+    def sizes(self) -> _Floats: ...
     @property
     def lower(self) -> _Floats: ...
     @property
@@ -586,6 +602,18 @@ class Resolved:
     def material(self) -> Material: ...
     @property
     def mean(self) -> _Mean: ...
+
+def resolved_gradings(
+    materials: Sequence[Material],
+    start: Grading,
+    stress_ratio: _Many,
+    grid: ResolvedGrid | None = ...,
+    *,
+    mean: _Mean = ...,
+    tolerance: float = ...,
+    max_step: float = ...,
+    threads: int = ...,
+) -> _Floats: ...
 
 class _Ringed(Protocol):
     @property

@@ -6,8 +6,10 @@ import os
 from pathlib import Path
 
 from comminute.files.storage import read_netcdf
-from comminute.result import LatticeResult, Result
-from comminute.runs.results import LatticeData
+from comminute.result import LatticeResult, ResolvedResult, Result
+from comminute.runs.results import LatticeData, ResolvedData, ResultData
+
+CLASSES: dict[type[ResultData], type[Result]] = {LatticeData: LatticeResult, ResolvedData: ResolvedResult}
 
 
 def open_result(path: str | os.PathLike[str]) -> Result:
@@ -42,4 +44,7 @@ def open_result(path: str | os.PathLike[str]) -> Result:
     True
     """
     data = read_netcdf(Path(path))
-    return (LatticeResult if isinstance(data, LatticeData) else Result)(**vars(data))
+    kind = (
+        LatticeResult if isinstance(data, LatticeData) else ResolvedResult if isinstance(data, ResolvedData) else Result
+    )
+    return kind(**vars(data))

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Literal
 
-from comminute._core import Fabric, Grading, LogGrid, Material, ParameterError, fitting_grid, mixed_fabric
-from comminute.result import Result, finished
+from comminute._core import Fabric, Grading, LogGrid, Material, ParameterError, ResolvedGrid, fitting_grid, mixed_fabric
+from comminute.result import ResolvedResult, Result, finished
 from comminute.runs.continuum import Setup, continuum_run
-from comminute.runs.load_path import Keep, load_path, wanted_fabrics
+from comminute.runs.load_path import Keep, LoadPath, load_path, wanted_fabrics
 from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning
-from comminute.util.choices import EngineName, Kind, Mean, Scheme, require_word
+from comminute.runs.resolved_run import ResolvedSetup, nodes, require_quasi_static, resolved_run, start_fabric
+from comminute.util.choices import Closure, EngineName, Kind, Mean, Scheme, require_word
+from comminute.util.errors import parameter_error
 from comminute.util.keywords import suggests_keywords
 
 
@@ -44,11 +47,20 @@ class Simulation:
     scheme : {"conservative", "paper"}
         Scheme by which the continuum becomes bins; see `QuasiStatic`. Time-stepping engines take its fragments
         (`fragment_pmf`) and test zones at bin centres.
+    closure : {"paper", "resolved"}
+        Knowledge of a cell's neighbours: the mean of their sizes, in a millisecond, or both sizes, in some tenths of a
+        second and at a tenth to a fiftieth of the distance to the lattice; see `Resolved` and `compare_closures`. The
+        latter takes no grid, scheme, engine or loading rate.
+    sizes : sequence of float
+        Sizes > 0, in the unit of the grading, at which curves by the resolved closure are wanted, such as sieves: they
+        become edges of its bins, beside those of a measured grading. Between edges a curve is read from a straight
+        line in ln(size).
 
     Raises
     ------
     ParameterError
-        For a scheme or mean it does not know, or a grid beside a fabric that has another.
+        For a word it does not know, a grid beside a fabric that has another, or an option that the closure does not
+        take.
 
     Examples
     --------
@@ -68,17 +80,26 @@ class Simulation:
         grid: LogGrid | None = None,
         mean: Mean = "arithmetic",
         scheme: Scheme = "conservative",
+        closure: Closure = "paper",
+        sizes: Sequence[float] = (),
     ) -> None:
         _require_parts(material, start)
         require_word("scheme", scheme, Scheme)
         require_word("mean", mean, Mean)
+        require_word("closure", closure, Closure)
+        _require_options(closure, start, grid, scheme, sizes)
         if isinstance(start, Fabric) and grid is not None and grid != start.grid:
             raise ParameterError(f"grid is {grid} but the fabric has {start.grid}; leave grid out")
         self.material = material
         self.start = start
-        self.grid = start.grid if isinstance(start, Fabric) else grid
+        self.grid: LogGrid | ResolvedGrid | None = start.grid if isinstance(start, Fabric) else grid
+        if closure == "resolved":
+            assert isinstance(start, Grading)  # as the options require
+            self.grid = nodes(material, start, sizes)
         self.mean: Mean = mean
         self.scheme: Scheme = scheme
+        self.closure: Closure = closure
+        self.sizes = tuple(float(size) for size in sizes)
 
     def __eq__(self, other: object) -> bool:
         """Equal in everything that a run depends on."""
@@ -87,8 +108,12 @@ class Simulation:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
+        parts = f"{self.material}, {self.start}"
+        if self.closure == "resolved":
+            sizes = f", sizes={self.sizes}" if self.sizes else ""
+            return f"Simulation({parts}, mean='{self.mean}', closure='resolved'{sizes})"
         grid = "" if self.grid is None else f", grid={self.grid}"
-        return f"Simulation({self.material}, {self.start}{grid}, mean='{self.mean}', scheme='{self.scheme}')"
+        return f"Simulation({parts}{grid}, mean='{self.mean}', scheme='{self.scheme}')"
 
     def initial_fabric(self, max_stress_ratio: float) -> Fabric:
         """Fabric at the start of a run up to a load, on the grid that the run uses.
@@ -104,6 +129,8 @@ class Simulation:
         """
         if isinstance(self.start, Fabric):
             return self.start
+        if isinstance(self.grid, ResolvedGrid):
+            return start_fabric(self.material, self.start, self.grid, self.mean)
         grid = self.grid or fitting_grid(self.start, self.material, max_stress_ratio)
         return mixed_fabric(self.start, grid, mean=self.mean)
 
@@ -141,8 +168,9 @@ class Simulation:
         remix_after : sequence of int
             Indices of loads after which the packing is remixed.
         engine : {"auto", "quasi-static", "slow-update", "full-convolution"}
-            "auto" takes the quasi-static solver wherever it is exact: every kernel but "exact", to rest.
-            Otherwise the slow update for the slow kernel, and the full convolution for the others.
+            Engine of the paper's closure; the resolved one is its own. "auto" takes the quasi-static solver wherever
+            it is exact: every kernel but "exact", to rest. Otherwise the slow update for the slow kernel, and the
+            full convolution for the others.
         kind : {"slow", "exact", "fast", "blend"}, optional
             Kernel. Left out: slow, or the blend where a loading rate is given.
         steps_per_load : int or "rest"
@@ -150,18 +178,20 @@ class Simulation:
         keep_fabrics : {"auto", "all", "last"} or sequence of int
             Loads whose fabric is kept, N x N numbers each. "auto" keeps all that fit into 256 MB, else as many as do,
             evenly over the path and the last among them. `Result.fabric` computes the others again when it is asked
-            for them, and what is kept changes no bit of any result.
+            for them, and what is kept changes no bit of any result. The resolved closure keeps none.
         on_load : callable, optional
             Called with the index of each load when it is finished, for progress bars.
 
         Returns
         -------
         Result
+            By the resolved closure a `ResolvedResult`.
 
         Raises
         ------
         ParameterError
-            For a load, rate, index or word outside its range; the message names it.
+            For a load, rate, index or word outside its range, or a setting that the closure does not take; the message
+            names it.
         Interrupted
             On Ctrl-C; its `result` has the finished loads.
 
@@ -182,9 +212,61 @@ class Simulation:
             kind=kind,
             steps_per_load=steps_per_load,
         )
+        if isinstance(self.grid, ResolvedGrid):
+            return self._run_resolved(self.grid, path, recipe, keep_fabrics, on_load)
         setup = self._setup(float(path.stress_ratio.max()))
         wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size, setup.start.grid.bins)
         result = finished(continuum_run(Result, setup, path, recipe, wanted=wanted), on_load)
         for warning in result.warnings:
-            warnings.warn(warning, ResolutionWarning, stacklevel=2)
+            warnings.warn(warning, ResolutionWarning, stacklevel=3)
         return result
+
+    def _run_resolved(
+        self,
+        grid: ResolvedGrid,
+        path: LoadPath,
+        recipe: Recipe,
+        keep_fabrics: Keep,
+        on_load: Callable[[int], object] | None,
+    ) -> Result:
+        assert isinstance(self.start, Grading)  # as the options require
+        require_quasi_static(recipe)
+        if recipe.engine != "auto":
+            rule = "the resolved closure is its own engine: leave it out"
+            raise parameter_error("engine", f"'{recipe.engine}'", rule)
+        if not (keep_fabrics == "auto" or (not isinstance(keep_fabrics, str) and len(keep_fabrics) == 0)):
+            rule = "a run by the resolved closure keeps none: leave it out, and ask the result for a fabric"
+            raise parameter_error("keep_fabrics", repr(keep_fabrics), rule)
+        setup = ResolvedSetup(self.material, self.start, grid, self.initial_fabric(float(path.stress_ratio.max())))
+        result = finished(resolved_run(ResolvedResult, setup, path, recipe), on_load)
+        for warning in result.warnings:
+            warnings.warn(warning, ResolutionWarning, stacklevel=4)
+        return result
+
+
+def _require_options(
+    closure: Closure, start: Grading | Fabric, grid: LogGrid | None, scheme: Scheme, sizes: Sequence[float]
+) -> None:
+    """Raise ParameterError for an option of one closure that is given to the other, or a size that is none."""
+    if closure == "paper":
+        if len(sizes):
+            rule = "the paper's closure has even bins: give a grid, or closure = 'resolved'"
+            raise parameter_error("sizes", _listed(sizes), rule)
+        return
+    for index, size in enumerate(sizes):
+        if not 0.0 < size < math.inf:
+            raise parameter_error(f"sizes[{index}]", float(size), "it must be greater than 0 and finite")
+    if isinstance(start, Fabric):
+        rule = "the resolved closure needs both: start from a Grading, or take Resolved.from_lattice"
+        raise parameter_error("start", "a Fabric", rule, finding="knows the mean of two neighbours")
+    if grid is not None:
+        rule = (
+            "the resolved closure makes its own uneven bins: leave it out, or give sizes that are to be edges of them"
+        )
+        raise parameter_error("grid", grid, rule)
+    if scheme != "conservative":
+        raise parameter_error("scheme", f"'{scheme}'", "the resolved closure has one scheme: leave it out")
+
+
+def _listed(values: Sequence[float]) -> str:
+    return "[" + ", ".join(f"{value:g}" for value in values[:4]) + (", ..." if len(values) > 4 else "") + "]"

@@ -16,6 +16,7 @@
 #include "comminute/material.hpp"
 #include "comminute/quasi_static.hpp"
 #include "comminute/resolved.hpp"
+#include "comminute/resolved_batch.hpp"
 #include "comminute/resolved_grid.hpp"
 #include "comminute/scheme.hpp"
 #include "comminute/settle.hpp"

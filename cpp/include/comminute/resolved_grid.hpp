@@ -60,6 +60,11 @@ class COMMINUTE_API ResolvedGrid {
     double width(Index i) const { return upper(i) - lower(i); }
     /// Tells whether a node is an exact size.
     bool exact(Index i) const { return lower(i) == upper(i); }
+    /// Number of bins: of the nodes that are no exact size.
+    Index bins() const;
+    /// (bins + 1) edges of the bins in ln(size). An exact size lies on the upper edge of the bin below it, and counts as
+    /// part of that bin where masses are given by bin.
+    std::vector<double> edges() const;
 
     /// Node that holds a log size: the exact size itself, or else the bin that it lies in, of two the finer one; 0 for all
     /// that is finer. @throws ParameterError for a size above the last node, or NaN
@@ -81,9 +86,12 @@ COMMINUTE_API std::vector<double> node_pmf(const Grading& grading, const Resolve
 /// Nodes for a grading: its exact sizes, the ends of its spread, sieves as ends of bins, and a fines bin that begins at
 /// least 8 in ln(size) below the largest grain and 1 below the size that a thousandth of the mass is finer than. A
 /// lognormal or Rosin-Rammler spread ends at the size that 3e-7 of the mass is finer than.
+/// @param edges  log sizes at which the curve is wanted: ends of bins too, and the fines bin begins below them; above the
+///               largest grain there is nothing to tell
 /// @throws ParameterError as `ResolvedGrid::graded`
 COMMINUTE_API ResolvedGrid fitting_nodes(const Grading& grading, double fabric_width,
-                                         const NodeOptions& options = {});
+                                         const NodeOptions& options = {},
+                                         const std::vector<double>& edges = {});
 /// The same for cells as they are: their exact sizes, and all others as one support, but for the finest thousandth.
 /// @param psi    log sizes, at least one
 /// @param exact  sizes among them that many cells have, as `LatticeState::points` gives them

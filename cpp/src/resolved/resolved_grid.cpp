@@ -143,6 +143,20 @@ ResolvedGrid ResolvedGrid::graded(double fabric_width, double bottom, std::vecto
     return {std::move(lower), std::move(upper)};
 }
 
+Index ResolvedGrid::bins() const {
+    Index count = 0;
+    for (Index i = 0; i < nodes(); ++i) count += exact(i) ? 0 : 1;
+    return count;
+}
+
+std::vector<double> ResolvedGrid::edges() const {
+    std::vector<double> edges{lower_.front()};
+    for (Index i = 0; i < nodes(); ++i) {
+        if (!exact(i)) edges.push_back(upper(i));
+    }
+    return edges;
+}
+
 Index ResolvedGrid::node_of(double psi) const {
     if (!(psi <= upper_.back() + same_size)) {
         throw ParameterError({.parameter = "psi",
@@ -183,25 +197,30 @@ std::vector<double> node_pmf(const Grading& grading, const ResolvedGrid& grid) {
     return pmf;
 }
 
-ResolvedGrid fitting_nodes(const Grading& grading, double fabric_width, const NodeOptions& options) {
+ResolvedGrid fitting_nodes(const Grading& grading, double fabric_width, const NodeOptions& options,
+                           const std::vector<double>& edges) {
     const double top = std::log(grading.largest());
+    double bottom = top - least_range;
+    for (const double edge : edges) {
+        require(std::isfinite(edge), "edges", edge, "finite");
+        bottom = std::min(bottom, edge);
+    }
     if (const auto* points = std::get_if<PointMasses>(&grading.law)) {
         std::vector<double> exact;
         for (const double size : points->size) exact.push_back(std::log(size));
-        const double bottom = std::min(top - least_range, exact.front() - below_the_start);
-        return ResolvedGrid::graded(fabric_width, bottom, exact, {}, options);
+        bottom = std::min(bottom, exact.front() - below_the_start);
+        return ResolvedGrid::graded(fabric_width, bottom, exact, {}, options, edges);
     }
-    std::vector<double> edges;
+    std::vector<double> ends = edges;
     double lowest = 0.0;
     if (const auto* sieves = std::get_if<SieveCurve>(&grading.law)) {
-        for (const double size : sieves->size) edges.push_back(std::log(size));
-        lowest = edges.front();
+        for (const double size : sieves->size) ends.push_back(std::log(size));
+        lowest = std::log(sieves->size.front());
     } else {
         lowest = std::log(std::max(grading.smallest(), grading.smallest(negligible_tail)));
     }
-    const double bottom = std::min(
-        {top - least_range, lowest - below_the_start, std::log(grading.smallest(1e-3)) - below_the_start});
-    return ResolvedGrid::graded(fabric_width, bottom, {}, {{lowest, top}}, options, edges);
+    bottom = std::min({bottom, lowest - below_the_start, std::log(grading.smallest(1e-3)) - below_the_start});
+    return ResolvedGrid::graded(fabric_width, bottom, {}, {{lowest, top}}, options, ends);
 }
 
 ResolvedGrid fitting_nodes(VectorView<const double> psi, const std::vector<PointMass>& exact,

@@ -12,15 +12,16 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from pydantic import ValidationError
 
-from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, fitting_grid
+from comminute._core import Grading, LogGrid, Material, ParameterError, ResolvedGrid, ShapeError, fitting_grid
 from comminute.cases.load_files import read_loads
 from comminute.cases.messages import WORDS, explained, table_place
 from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, MaterialTable, Sieves
 from comminute.gradings.options import Reading
 from comminute.gradings.reading import SieveData, read_sieves
 from comminute.gradings.sieves import IN_MM, convert, unit_of
-from comminute.runs.load_path import load_path
-from comminute.runs.recipe import law_of
+from comminute.runs.load_path import LoadPath, load_path
+from comminute.runs.recipe import Recipe, law_of
+from comminute.runs.resolved_run import require_quasi_static
 from comminute.simulation import Simulation
 from comminute.util.errors import parameter_error, reworded, wrong_file
 from comminute.util.names import is_file, shorten
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 Made = TypeVar("Made")
 SWEPT = ("units", "material", "grading", "grid", "engine")
-LISTS = frozenset({"x", "finer", "size", "percent_finer", "places", "notes"})  # lists by nature, never a sweep
+LISTS = frozenset({"x", "finer", "size", "percent_finer", "places", "notes", "sizes"})  # lists by nature, never a sweep
 MOST_RUNS = 1000
 MOST_BYTES = 4_000_000
 
@@ -42,14 +43,34 @@ class ReadyCase:
     resolved: Case
     material: Material
     grading: Grading
-    grid: LogGrid
+    grid: LogGrid | ResolvedGrid
     target: Path
     varied: dict[str, Any]
 
     def simulation(self) -> Simulation:
         """Make the simulation of the case."""
+        return _simulation(self.material, self.grading, self.resolved, self.even_grid)
+
+    @property
+    def even_grid(self) -> LogGrid | None:
+        """Bins of the paper's closure; None for a case that is run by the resolved one."""
+        return self.grid if isinstance(self.grid, LogGrid) else None
+
+    def path(self) -> LoadPath:
+        """Give the checked load path."""
+        return _path(self.material, self.resolved)
+
+    def recipe(self) -> Recipe:
+        """Give the settings of the run."""
         engine = self.resolved.engine
-        return Simulation(self.material, self.grading, grid=self.grid, mean=engine.mean, scheme=engine.scheme)
+        return Recipe.of(
+            self.path(),
+            engine=engine.name,
+            kind=engine.kind,
+            steps_per_load=engine.steps_per_load,
+            stress_unit=self.resolved.units.stress,
+            case=self.text(),
+        )
 
     def loads(self) -> dict[str, list[float]]:
         """Give the load path as `Simulation.run` takes it."""
@@ -175,25 +196,53 @@ def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> Read
     material = _in_table(name, "material", lambda: _material(case))
     case, grading = _grading(case, path)
     case = _loads(case, path)
-    load = case.load
-    ratios = _in_table(
-        name,
-        "load",
-        lambda: load_path(material, load.stress_ratio, load.stress, load.loading_rate, load.remix_after),  # type: ignore[arg-type]
-    ).stress_ratio
+    ratios = _in_table(name, "load", lambda: _path(material, case)).stress_ratio
     _require_reference_size(case, name)
-    largest_load, given = float(ratios.max()), case.grid.model_dump()
-    grid = _in_table(name, "grid", lambda: fitting_grid(grading, material, largest_load, **given))
-    _in_table(name, "grid", lambda: grading.on_grid(grid))
-    case = case.model_copy(update={"grid": GridTable(bins=grid.bins, psi_min=grid.psi_min, psi_max=grid.psi_max)})
+    if case.engine.closure == "resolved":
+        grid: LogGrid | ResolvedGrid = _nodes(case, material, grading, name)
+    else:
+        largest_load, given = float(ratios.max()), case.grid.model_dump()
+        even = _in_table(name, "grid", lambda: fitting_grid(grading, material, largest_load, **given))
+        _in_table(name, "grid", lambda: grading.on_grid(even))
+        case = case.model_copy(update={"grid": GridTable(bins=even.bins, psi_min=even.psi_min, psi_max=even.psi_max)})
+        _in_table(name, "engine", lambda: _simulation(material, grading, case, even))
+        grid = even
     ready = ReadyCase(case, material, grading, grid, target, varied)
-    _in_table(name, "engine", ready.simulation)
+    if case.engine.closure == "resolved":
+        _in_table(name, "engine", lambda: require_quasi_static(ready.recipe()))
     if not isinstance(case.output.fabrics, str):
         for k in case.output.fabrics:
             if not 0 <= k < ratios.size:
                 rule = f"it must hold indices of loads, 0 to {ratios.size - 1}"
                 raise _wrong_key(path, "output", "fabrics", k, rule, finding=f"has {k}")
     return ready
+
+
+def _path(material: Material, case: Case) -> LoadPath:
+    load = case.load
+    return load_path(material, load.stress_ratio, load.stress, load.loading_rate, load.remix_after)  # type: ignore[arg-type]
+
+
+def _simulation(material: Material, grading: Grading, case: Case, grid: LogGrid | None) -> Simulation:
+    engine = case.engine
+    options = {"mean": engine.mean, "scheme": engine.scheme, "closure": engine.closure, "sizes": engine.sizes}
+    return Simulation(material, grading, grid=grid, **options)  # type: ignore[arg-type]
+
+
+def _nodes(case: Case, material: Material, grading: Grading, name: str) -> ResolvedGrid:
+    """Sizes of a case that is run by the resolved closure, which has no bins of its own choice and keeps no fabrics."""
+    for key, value in case.grid.model_dump(exclude_none=True).items():
+        rule = 'closure = "resolved" makes its own uneven bins: leave [grid] out'
+        raise parameter_error(key, value, rule, place=table_place(name, "grid"))
+    if case.engine.name != "auto":
+        rule = 'closure = "resolved" is its own engine: leave it out'
+        raise parameter_error("name", f"'{case.engine.name}'", rule, place=table_place(name, "engine"))
+    if case.output.fabrics not in ("last", []):
+        rule = 'closure = "resolved" keeps none: leave it out'
+        raise parameter_error("fabrics", f"{case.output.fabrics!r}", rule, place=table_place(name, "output"))
+    grid = _in_table(name, "engine", lambda: _simulation(material, grading, case, None)).grid
+    assert isinstance(grid, ResolvedGrid)  # of the resolved closure
+    return grid
 
 
 def _in_table(name: str, table: str, make: Callable[[], Made]) -> Made:

@@ -9,19 +9,18 @@ import json
 import time
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from comminute._core import ParameterError
+from comminute._core import ParameterError, ResolvedGrid
 from comminute.cases.reading import ReadyCase, case_of_text
 from comminute.files.storage import require_netcdf, save_netcdf
 from comminute.opening import open_result
-from comminute.result import Interrupted, Result, run_again
+from comminute.result import Interrupted, ResolvedResult, Result, run_again
 from comminute.runs.continuum import Setup, continuum_run, recipe_of, setup_of
-from comminute.runs.load_path import load_path, wanted_fabrics
-from comminute.runs.outcomes import Outcome
+from comminute.runs.load_path import wanted_fabrics
 from comminute.runs.path_run import PathRun
-from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning
+from comminute.runs.resolved_run import ResolvedSetup, resolved_run
 from comminute.util.errors import wrong_file
 
 if TYPE_CHECKING:
@@ -137,25 +136,19 @@ def run_case(
     return done
 
 
-def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Outcome, Result]:
+def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Any, Result]:
     """Run of a case; a file in between changes no bit.
 
     It keeps the fabrics that the case asks for, and while it runs the last one, to go on from.
     """
-    load, engine = case.resolved.load, case.resolved.engine
-    ratio, stress = load.stress_ratio, load.stress
-    path = load_path(case.material, ratio, stress, load.loading_rate, load.remix_after)  # type: ignore[arg-type]
-    recipe = Recipe.of(
-        path,
-        engine=engine.name,
-        kind=engine.kind,
-        steps_per_load=engine.steps_per_load,
-        stress_unit=case.resolved.units.stress,
-        case=case.text(),
-    )
+    path, recipe = case.path(), case.recipe()
+    if isinstance(case.grid, ResolvedGrid):
+        start = case.simulation().initial_fabric(float(path.stress_ratio.max()))
+        nodes = ResolvedSetup(case.material, case.grading, case.grid, start)
+        return resolved_run(ResolvedResult, nodes, path, recipe, earlier=cast("ResolvedResult | None", earlier))
     if earlier is None:
         start = case.simulation().initial_fabric(float(path.stress_ratio.max()))
-        setup = Setup.mixed(case.material, case.grading, start, engine.scheme)
+        setup = Setup.mixed(case.material, case.grading, start, case.resolved.engine.scheme)
     else:
         setup = setup_of(earlier)
     return continuum_run(
@@ -165,6 +158,8 @@ def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Outcome, Resul
 
 def _wanted(case: ReadyCase, bins: int) -> frozenset[int]:
     """Find the loads whose fabric a case asks for."""
+    if isinstance(case.grid, ResolvedGrid):
+        return frozenset()
     return wanted_fabrics(case.resolved.output.fabrics, len(next(iter(case.loads().values()))), bins)
 
 
@@ -216,6 +211,7 @@ def summary(result: Result, file: Path, varied: dict[str, Any]) -> dict[str, Any
         "varied": json.loads(json.dumps(varied, default=str)),
         "unit": result.unit,
         "stress_unit": result.recipe.stress_unit if result.recipe else "",
+        "closure": result.closure,
         "engine": result.engine,
         "bins": result.grid.bins,
         "loads": load_rows(result),

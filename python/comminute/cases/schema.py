@@ -26,7 +26,7 @@ from comminute._core import (
 )
 from comminute.gradings.reading import Top
 from comminute.simulation import Simulation
-from comminute.util.choices import EngineName, Kind, Mean, Scheme
+from comminute.util.choices import Closure, EngineName, Kind, Mean, Scheme
 
 Rest = int | Literal["rest"]
 MATERIAL = Material()
@@ -241,12 +241,17 @@ class EngineTable(Table):
     name: EngineName = RUN["engine"]
     scheme: Scheme = SIMULATION["scheme"]
     mean: Mean = SIMULATION["mean"]
+    closure: Closure = SIMULATION["closure"]
+    sizes: list[float] = list(SIMULATION["sizes"])
     kind: Kind | None = RUN["kind"]
     steps_per_load: Rest = RUN["steps_per_load"]
 
 
 class OutputTable(Table):
-    """Result file, beside the case file unless an absolute path; for which loads the fabric is kept."""
+    """Result file, beside the case file unless an absolute path; for which loads the fabric is kept.
+
+    A run by the resolved closure keeps none.
+    """
 
     file: str = "run.nc"
     fabrics: Literal["all", "last"] | list[int] = "last"

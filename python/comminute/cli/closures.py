@@ -7,6 +7,7 @@ from typing import Any
 from comminute._core import __version__
 from comminute.cases.reading import ReadyCase
 from comminute.closures import ClosureComparison, compare_closures
+from comminute.runs.resolved_run import require_quasi_static
 from comminute.util.errors import parameter_error
 
 
@@ -23,14 +24,7 @@ def compared(cases: list[ReadyCase], *, cells: int, threads: int) -> ClosureComp
         raise parameter_error("sweep", len(cases), rule, subject="the case", finding=f"makes {len(cases)} runs")
     (ready,) = cases
     load, engine = ready.resolved.load, ready.resolved.engine
-    rates = [load.loading_rate] if isinstance(load.loading_rate, int | float) else list(load.loading_rate)
-    quasi_static = "the lattice and the resolved closure are quasi-static: it must be"
-    if any(rates):
-        raise parameter_error("loading_rate", max(rates), f"{quasi_static} 0")
-    if engine.kind not in (None, "slow"):
-        raise parameter_error("kind", f"'{engine.kind}'", f"{quasi_static} 'slow', or left out")
-    if engine.steps_per_load != "rest":
-        raise parameter_error("steps_per_load", engine.steps_per_load, f"{quasi_static} 'rest'")
+    require_quasi_static(ready.recipe())
     kind, values = next(iter(ready.loads().items()))
     return compare_closures(
         ready.material,
@@ -38,7 +32,7 @@ def compared(cases: list[ReadyCase], *, cells: int, threads: int) -> ClosureComp
         **{kind: values},  # type: ignore[arg-type]
         remix_after=load.remix_after,
         mean=engine.mean,
-        grid=ready.grid,
+        grid=ready.even_grid,
         scheme=engine.scheme,
         cells=cells,
         replicas=4,

@@ -11,7 +11,9 @@ from importlib import resources
 from string import Template
 from typing import TYPE_CHECKING, Any
 
-from comminute._core import FullConvolution, LogGrid, Material, __version__, has_fftw
+import numpy as np
+
+from comminute._core import FullConvolution, LogGrid, Material, ResolvedGrid, __version__, has_fftw
 from comminute.cases import schema
 from comminute.cases.running import load_rows
 from comminute.runs.remarks import NO_CRUSHES
@@ -73,12 +75,22 @@ def case_summary(ready: ReadyCase) -> str:
         f"{ready.target.name}: {len(loads)} loads, {kind} {min(loads):g} to {max(loads):g}{in_unit}{varied}",
         f"  {material_line(ready)}",
         f"  grading: largest {grading.largest:.4g}{unit}, D50 {d50:.4g}{unit}",
-        f"  grid: {grid.bins} bins, {grid.edge_sizes[1]:.3g} to {grid.edge_sizes[-1]:.4g}{unit}, "
-        f"{grid.bins**2 * 8 / 1e6:.1f} MB a fabric",
-        f"  engine: {case.engine.name}, scheme {case.engine.scheme}",
+        f"  grid: {grid.bins} bins, {grid.edge_sizes[1]:.3g} to {grid.edge_sizes[-1]:.4g}{unit}, {_extent(grid)}",
+        f"  closure: {case.engine.closure}, engine {case.engine.name}, scheme {case.engine.scheme}"
+        if isinstance(grid, LogGrid)
+        else f"  closure: {case.engine.closure}, which is quasi-static and its own engine",
         *(f"  note: {note}" for note in grading.notes),
     ]
     return "\n".join(lines)
+
+
+def _extent(grid: LogGrid | ResolvedGrid) -> str:
+    """Width of the bins and memory of a state."""
+    if isinstance(grid, LogGrid):
+        return f"{grid.bins**2 * 8 / 1e6:.1f} MB a fabric"
+    widths = np.diff(grid.edges)[1:]
+    memory = 14 * grid.nodes**3 * 8 / 1e6
+    return f"{widths.min():.2g} to {widths.max():.2g} wide in ln(size), {memory:.0f} MB in all"
 
 
 class LoadTableText:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import hashlib
 import json
 import warnings
-from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from comminute._core import Fabric, LogGrid, __version__
+from comminute._core import Fabric, ResolvedGrid, __version__
 from comminute.files.fabric_storage import (
     POINT_NAMES,
     START,
+    Arrays,
     columns,
     fabric_variables,
     fabrics_of,
@@ -22,16 +22,35 @@ from comminute.files.fabric_storage import (
     points_of,
 )
 from comminute.gradings.curves import SizeCurve
-from comminute.runs.recipe import Recipe, grid_record, material_of, material_record, report_of, report_record
-from comminute.runs.results import LatticeData, ResultData
+from comminute.runs.recipe import (
+    Recipe,
+    grading_of,
+    grading_record,
+    grid_of,
+    grid_record,
+    material_of,
+    material_record,
+    report_of,
+    report_record,
+)
+from comminute.runs.resolved_run import start_fabric
+from comminute.runs.results import LatticeData, ResolvedData, ResultData
 from comminute.util.errors import wrong_file
 from comminute.util.names import is_file, shorten
 from comminute.util.optional import needs
 from comminute.util.whole_files import uninterrupted, write_whole
 
+if TYPE_CHECKING:
+    from comminute.util.choices import Mean
+
 LAYOUT = "comminute result 1"
+RESOLVED_LAYOUT = "comminute resolved result 1"
 MOST_NAMED = 6  # changes that a message lists
 RINGS = ("cells", "replicas", "seed")
+RESOLVED_ROWS = {
+    "avalanches": "mean number of avalanches that a cell has begun",
+    "step_error": "largest difference of the coarse and the fine curve",
+}
 FINGERPRINTS = "sha256"
 WRITTEN_BY_XARRAY = {"coordinates"}  # an attribute that xarray adds when it writes, wherever it sees fit
 MAGIC = b"\x89HDF\r\n\x1a\n"
@@ -54,7 +73,6 @@ def to_dataset(result: ResultData) -> Any:
     coords: dict[str, Any] = {
         "stress_ratio": ("load", result.stress_ratio, {"long_name": "stress ratio", "units": "1"}),
         "psi": ("psi", result.psi, {"long_name": "log grainsize at bin centres", "units": "1"}),
-        "psibar": ("psibar", result.psi, {"long_name": "log neighbourhood grainsize at bin centres", "units": "1"}),
         "size": ("psi", result.size, {"long_name": "grainsize at bin centres", **unit}),
         "edge_size": ("psi", result.edge_size, {"long_name": "grainsize at upper bin edges", **unit}),
     }
@@ -81,6 +99,12 @@ def to_dataset(result: ResultData) -> Any:
     if result.measured is not None:
         rows = np.stack([result.measured.size, result.measured.finer], axis=1)
         variables |= columns("sieve", rows.tolist(), {"size": "opening", "finer": "mass fraction finer"})
+    if isinstance(result, ResolvedData):
+        for name, text in RESOLVED_ROWS.items():
+            variables[name] = ("load", getattr(result, name), {"long_name": text, "units": "1"})
+        return xr.Dataset(variables, coords, _attributes(result))
+    psibar = {"long_name": "log neighbourhood grainsize at bin centres", "units": "1"}
+    coords["psibar"] = ("psibar", result.psi, psibar)
     kept = [k for k, fabric in enumerate(result.fabrics) if fabric is not None]
     variables |= fabric_variables({START: result.start} | {k: result.fabric(k) for k in kept})
     if kept:
@@ -95,7 +119,7 @@ def _attributes(result: ResultData) -> dict[str, Any]:
         "title": "confined comminution: gradings after each load",
         "source": f"comminute {__version__}",
         "references": "Huang, Marks & Einav (2020), https://doi.org/10.1016/j.jmps.2020.103897",
-        "layout": LAYOUT,
+        "layout": RESOLVED_LAYOUT if isinstance(result, ResolvedData) else LAYOUT,
         "comminute_version": __version__,
         "engine": result.engine,
         "scheme": result.scheme,
@@ -112,6 +136,8 @@ def _attributes(result: ResultData) -> dict[str, Any]:
         "lattice": json.dumps({name: getattr(result, name) for name in RINGS if isinstance(result, LatticeData)}),
         "recipe": "" if result.recipe is None else result.recipe.to_json(),
         "case": "" if result.recipe is None else result.recipe.case,
+        "closure": result.closure,
+        "grading": json.dumps(grading_record(result.grading)) if isinstance(result, ResolvedData) else "",
     }
 
 
@@ -207,7 +233,7 @@ def read_netcdf(file: Path) -> ResultData:
                 dict(opened.attrs)
             data = xr.load_dataset(file, engine="h5netcdf", decode_cf=False)
         layout = str(data.attrs["layout"])
-        changes, result = _read(data) if layout == LAYOUT else ([], None)
+        changes, result = _read(data) if layout in (LAYOUT, RESOLVED_LAYOUT) else ([], None)
     except Exception as error:  # whatever a damaged file makes the libraries below raise
         finding = "is no result as comminute wrote it: it is damaged, cut short, or was changed by another program"
         raise wrong_file(file.name, finding, "run it again") from error
@@ -234,28 +260,16 @@ def _read(data: Any) -> tuple[list[str], ResultData]:
 
 def _result(data: Any) -> ResultData:
     texts = {key: str(value) for key, value in data.attrs.items()}
-    grid = LogGrid(**json.loads(texts["grid"]))
     values = {name: np.array(data[name].values) for name in data.variables}
-    mean: Any = texts["mean"]
-    loads = [int(load) for load in values.get("fabric_load", ())]
-    settled = dict(zip(loads, (float(at) for at in values.get("settled_at", ())), strict=True))
-    settled[START] = json.loads(texts["start_settled_at"]) if texts["start_settled_at"] != "null" else np.nan
-    largest = float(texts.get("largest", 0.0))  # missing in the first files
-    made = fabrics_of(values, grid, mean, settled, largest)
-    fabrics: list[Fabric | None] = [made.get(k) for k in range(values["stress_ratio"].size)]
-    points = points_of(values, "point", range(len(fabrics)))
+    loads = values["stress_ratio"].size
+    points = points_of(values, "point", range(loads))
     measured = None
     if "sieve_size" in values:
         slope = float(texts["sieve_tail_slope"])
         measured = SizeCurve(values["sieve_size"], values["sieve_finer"], texts["unit"], slope)
-    rings: dict[str, Any] = json.loads(texts.get("lattice", "{}"))  # missing in the first files
-    if rings:
-        rings |= {name: values[name] for name in ("cdf_error", "crushes_error")}
-        rings["start_points"] = tuple(points_of(values, "start_point", [START])[START])
-    made_again: ResultData = (partial(LatticeData, **rings) if rings else ResultData)(
+    kind, fields = _states(values, texts, loads)
+    return kind(
         material=material_of(json.loads(texts["material"])),
-        grid=grid,
-        start=made[START],
         unit=texts["unit"],
         stress_ratio=values["stress_ratio"],
         stress=values.get("stress"),
@@ -266,10 +280,32 @@ def _result(data: Any) -> ResultData:
         scheme=texts["scheme"],
         notes=tuple(json.loads(texts["notes"])),
         warnings=tuple(json.loads(texts["warnings"])),
-        fabrics=tuple(fabrics),
-        points=tuple(tuple(points[k]) for k in range(len(fabrics))),
+        points=tuple(tuple(points[k]) for k in range(loads)),
         reports=tuple(report_of(record) for record in json.loads(texts["reports"])),
         recipe=Recipe.from_json(texts["recipe"]) if texts["recipe"] else None,
         measured=measured,
+        **fields,
     )
-    return made_again
+
+
+def _states(values: Arrays, texts: dict[str, str], loads: int) -> tuple[type[ResultData], dict[str, Any]]:
+    """Class of a stored result, with its grid, its start, its fabrics, and the fields that this class adds."""
+    grid, mean = grid_of(json.loads(texts["grid"])), cast("Mean", texts["mean"])
+    if isinstance(grid, ResolvedGrid):
+        grading, material = grading_of(json.loads(texts["grading"])), material_of(json.loads(texts["material"]))
+        found: dict[str, Any] = {"grid": grid, "grading": grading, "fabrics": (None,) * loads}
+        start = start_fabric(material, grading, grid, mean)
+        return ResolvedData, found | {"start": start} | {name: values[name] for name in RESOLVED_ROWS}
+    kept = [int(load) for load in values.get("fabric_load", ())]
+    settled = dict(zip(kept, (float(at) for at in values.get("settled_at", ())), strict=True))
+    settled[START] = json.loads(texts["start_settled_at"]) if texts["start_settled_at"] != "null" else np.nan
+    largest = float(texts.get("largest", 0.0))  # missing in the first files
+    made = fabrics_of(values, grid, mean, settled, largest)
+    fabrics: tuple[Fabric | None, ...] = tuple(made.get(k) for k in range(loads))
+    found = {"grid": grid, "start": made[START], "fabrics": fabrics}
+    rings: dict[str, Any] = json.loads(texts.get("lattice", "{}"))  # missing in the first files
+    if not rings:
+        return ResultData, found
+    rings |= {name: values[name] for name in ("cdf_error", "crushes_error")}
+    rings["start_points"] = tuple(points_of(values, "start_point", [START])[START])
+    return LatticeData, found | rings

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Grading, LogGrid, Place, PointMass, _curve_on_grid, _first_at_least
+from comminute._core import Grading, LogGrid, Place, PointMass, ResolvedGrid, _curve_on_grid, _first_at_least
 from comminute.gradings.sieves import convert, sieve_sizes, unit_of
 from comminute.util.equality import same_values
 from comminute.util.errors import parameter_error
@@ -104,7 +104,12 @@ class SizeCurve:
 
     @classmethod
     def on_grid(
-        cls, grid: LogGrid, cdf: Floats, unit: str = "", points: Sequence[PointMass] = (), largest: float = 0.0
+        cls,
+        grid: LogGrid | ResolvedGrid,
+        cdf: Floats,
+        unit: str = "",
+        points: Sequence[PointMass] = (),
+        largest: float = 0.0,
     ) -> SizeCurve:
         """Curve of a cdf at the upper edges of a grid's bins.
 
@@ -112,16 +117,17 @@ class SizeCurve:
 
         Parameters
         ----------
-        grid : LogGrid
+        grid : LogGrid or ResolvedGrid
         cdf : ndarray (N,)
             Fraction finer than the upper edge of each bin.
         unit : str
             Unit of the sizes.
         points : sequence of PointMass
-            Exact sizes that are part of `cdf`, fine to coarse: the curve jumps there, inside their bins.
+            Exact sizes that are part of `cdf`, fine to coarse: the curve jumps there, inside their bins, or of a
+            ResolvedGrid at their upper edges.
         largest : float
             Size that no grain exceeds: the curve ends there where it lies in the coarsest bin that holds mass; 0 where
-            it is not known.
+            it is not known. A ResolvedGrid ends at the largest grain, and needs none.
 
         Returns
         -------
@@ -140,7 +146,10 @@ class SizeCurve:
             raise parameter_error("cdf", float(cdf[k + 1]), "a cdf cannot fall", finding=finding, place=place)
         if not abs(cdf[-1] - 1.0) <= ENDS_AT_ONE:
             raise parameter_error("cdf", float(cdf[-1]), "it must be 1", subject="the last cdf")
-        size, finer, tail_slope = _curve_on_grid(grid, np.ascontiguousarray(cdf), points, largest)
+        if isinstance(grid, ResolvedGrid):
+            size, finer, tail_slope = _curve_of_nodes(grid, cdf, points)
+        else:
+            size, finer, tail_slope = _curve_on_grid(grid, np.ascontiguousarray(cdf), points, largest)
         return cls(size, np.append(finer[:-1], 1.0), unit, tail_slope)
 
     def __eq__(self, other: object) -> bool:
@@ -276,6 +285,20 @@ class SizeCurve:
         if number.size < 2 or not number[-1] > 0.0:
             raise parameter_error("smallest", smallest, f"it must be below the largest size, {size[-1]:g}")
         return SizeCurve(size, number / number[-1], self.unit)
+
+
+def _curve_of_nodes(grid: ResolvedGrid, cdf: Floats, points: Sequence[PointMass]) -> tuple[Floats, Floats, float]:
+    """Points of a cdf at the edges of uneven bins, up to the first that holds all, and the slope of the tail."""
+    edges, finer = grid.edges, np.maximum.accumulate(np.asarray(cdf, dtype=np.float64))
+    with np.errstate(divide="ignore"):
+        slope = float(np.log(finer[1] / finer[0]) / (edges[2] - edges[1])) if finer[0] > 0.0 else 0.0
+    whole = int(np.argmax(finer >= finer[-1] - ROUNDING)) + 1
+    size, finer = np.exp(edges[1 : whole + 1]), finer[:whole]
+    jumps = [(k, point) for point in points if (k := int(np.argmin(np.abs(edges[1:] - point.psi)))) < whole]
+    at = [k for k, _ in jumps]
+    below = [finer[k] - point.mass for k, point in jumps]
+    size[at] = [point.size for _, point in jumps]
+    return np.insert(size, at, size[at]), np.insert(finer, at, below), slope
 
 
 def mean_power(size: Floats, power: float) -> Floats:

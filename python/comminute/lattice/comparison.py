@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from comminute.runs.results import LatticeData, ResultData
+from comminute.runs.results import LatticeData, ResolvedData, ResultData
 from comminute.util.equality import same_values
 from comminute.util.errors import parameter_error
 
@@ -152,7 +152,9 @@ def compare(result: ResultData | LatticeData, other: ResultData | LatticeData) -
             "other",
             subject="the grids",
             finding=f"differ: {result.grid} and {other.grid}",
-            rule="give the lattice's run grid=result.grid",
+            rule="compare_closures compares curves at their own sizes"
+            if isinstance(result, ResolvedData) or isinstance(other, ResolvedData)
+            else "give the lattice's run grid=result.grid",
         )
     errors, replicas = zip(*(_noise(side) for side in (result, other)), strict=True)
     return Comparison.of(result.stress_ratio, result.edge_size, (result.cdf, other.cdf), errors, replicas)

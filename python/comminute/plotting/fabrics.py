@@ -159,7 +159,8 @@ def plot_result(result: ResultData, load: int = -1) -> Picture:
     at_rest_under = fabric.settled_at
     stress_ratio = float(result.stress_ratio[load]) if at_rest_under is None else at_rest_under
     plot_fabric(fabric, right, material=result.material, stress_ratio=stress_ratio, unit=result.unit)
-    ranges = [_visible_range(pmf, result.grid.edges, SHOWN_TAIL) for pmf in (result.start.grainsize(), *result.pmf)]
+    ranges = [_visible_range(pmf, result.grid.edges, SHOWN_TAIL) for pmf in result.pmf]
+    ranges.append(_visible_range(result.start.grainsize(), result.start.grid.edges, SHOWN_TAIL))
     low, high = min(low for low, _ in ranges), max(high for _, high in ranges)
     right.set(xlim=(low, high), ylim=(low, high))  # the range of all loads, so that their pictures compare
     return figure

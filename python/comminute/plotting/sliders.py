@@ -6,7 +6,7 @@ from typing import Any
 
 from comminute.plotting.fabrics import plot_result
 from comminute.runs.remarks import load_labels
-from comminute.runs.results import ResultData
+from comminute.runs.results import ResolvedData, ResultData
 from comminute.util.errors import parameter_error
 from comminute.util.optional import needs
 
@@ -17,7 +17,9 @@ def slider(result: ResultData) -> Any:
         import ipywidgets  # noqa: PLC0415  (optional)
     except ImportError as error:
         raise needs("notebook", "ipywidgets", "slider") from error
-    kept = [k for k, fabric in enumerate(result.fabrics) if fabric is not None]
+    loads = range(result.stress_ratio.size)
+    computed = isinstance(result, ResolvedData)  # in less time than a drag takes
+    kept = [k for k in loads if computed or result.fabrics[k] is not None]
     if not kept:
         finding, rule = "was kept, so there is nothing to slide over", "run with keep_fabrics = 'all'"
         raise parameter_error("keep_fabrics", rule=rule, subject="no fabric", finding=finding)

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from comminute._core import Fabric
 from comminute.runs.continuum import continuum_run, recipe_of, setup_of
 from comminute.runs.load_path import LoadPath
-from comminute.runs.outcomes import Outcome, outcomes_of
+from comminute.runs.outcomes import outcomes_of
 from comminute.runs.path_run import PathRun
-from comminute.runs.results import ResultData
+from comminute.runs.resolved_run import fabric_after as resolved_fabric_after
+from comminute.runs.resolved_run import resolved_run
+from comminute.runs.resolved_run import setup_of as resolved_setup_of
+from comminute.runs.results import ResolvedData, ResultData
 from comminute.runs.walk import ContinuumWalker
 
 R = TypeVar("R", bound=ResultData)
@@ -38,6 +41,8 @@ def fabric_after(result: ResultData, k: int) -> Fabric:
     ParameterError
         If the result has no recipe.
     """
+    if isinstance(result, ResolvedData):
+        return resolved_fabric_after(result, path_of(result), k)
     walker = ContinuumWalker(result.start, result.material, setup_of(result).scheme, recipe_of(result))
     loads = path_of(result).loads()
     for outcome, load in zip(outcomes_of(result)[:k], loads, strict=False):
@@ -49,7 +54,7 @@ def fabric_after(result: ResultData, k: int) -> Fabric:
     return fabric
 
 
-def resumed(result: R, later: LoadPath, wanted: frozenset[int]) -> PathRun[Outcome, R]:
+def resumed(result: R, later: LoadPath, wanted: frozenset[int]) -> PathRun[Any, R]:
     """Run that goes on from the last load of a result, to the bits of one run through all loads.
 
     Parameters
@@ -77,11 +82,13 @@ def resumed(result: R, later: LoadPath, wanted: frozenset[int]) -> PathRun[Outco
         loading_rate=tuple(path.loading_rate.tolist()),
         remix_after=tuple(sorted(path.remix_after)),
     )
+    if isinstance(result, ResolvedData):
+        return resolved_run(type(result), resolved_setup_of(result), path, recipe, earlier=result)
     kept = kept_of(result) | {done + k for k in wanted}
     return continuum_run(type(result), setup_of(result), path, recipe, wanted=kept, earlier=result)
 
 
-def again(result: R) -> PathRun[Outcome, R]:
+def again(result: R) -> PathRun[Any, R]:
     """Run of the loads of a result, anew from its start, material and recipe; its fabrics are those that it has.
 
     Raises
@@ -89,4 +96,6 @@ def again(result: R) -> PathRun[Outcome, R]:
     ParameterError
         If the result has no recipe.
     """
+    if isinstance(result, ResolvedData):
+        return resolved_run(type(result), resolved_setup_of(result), path_of(result), recipe_of(result))
     return continuum_run(type(result), setup_of(result), path_of(result), recipe_of(result), wanted=kept_of(result))

@@ -9,9 +9,8 @@ from typing import Generic, Protocol, TypeVar
 from comminute.runs.load_path import Load, LoadPath
 from comminute.runs.outcomes import Outcome
 
-R = TypeVar("R")
-O = TypeVar("O", bound=Outcome)  # noqa: E741  (an outcome, with what its engine adds)
-O_co = TypeVar("O_co", bound=Outcome, covariant=True)
+R_co = TypeVar("R_co", covariant=True)
+O_co = TypeVar("O_co", bound=Outcome, covariant=True)  # an outcome, with what its engine adds
 
 
 class Walker(Protocol[O_co]):
@@ -33,7 +32,7 @@ class Walker(Protocol[O_co]):
         ...
 
 
-class PathRun(Generic[O, R]):
+class PathRun(Generic[O_co, R_co]):
     """Run along a load path: an iterator over the outcomes of its loads, which keeps them as they are finished.
 
     Wherever the iteration ends, at the last load or at a Ctrl-C, `result` has what is finished, and a run that is
@@ -57,13 +56,13 @@ class PathRun(Generic[O, R]):
 
     def __init__(
         self,
-        walker: Walker[O],
+        walker: Walker[O_co],
         path: LoadPath,
-        result_of: Callable[[Sequence[O]], R],
+        result_of: Callable[[Sequence[O_co]], R_co],
         *,
         wanted: frozenset[int],
         keep_latest: bool = False,
-        finished: Iterable[O] = (),
+        finished: Iterable[O_co] = (),
     ) -> None:
         self._walker = walker
         self._path = path
@@ -72,7 +71,7 @@ class PathRun(Generic[O, R]):
         self._keep_latest = keep_latest
         self._outcomes = list(finished)
 
-    def __iter__(self) -> Iterator[O]:
+    def __iter__(self) -> Iterator[O_co]:
         """Take load after load, and give the outcome of each when the packing is ready for the next one."""
         for load in self._path.loads(first=len(self._outcomes)):
             with_fabric = self._keep_latest or load.place in self._wanted
@@ -82,7 +81,7 @@ class PathRun(Generic[O, R]):
                 self._walker.remix()
             yield self._outcomes[load.place]
 
-    def result(self) -> R | None:
+    def result(self) -> R_co | None:
         """Make the result of the finished loads; None before the first is finished."""
         return self._result_of(self._outcomes) if self._outcomes else None
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, cast
 
 import numpy as np
 
 from comminute._core import (
+    Grading,
     LogGrid,
     LogNormalFragments,
     Material,
     PowerLawFragments,
+    ResolvedGrid,
     SolveReport,
     StepReport,
     TabulatedFragments,
@@ -125,9 +127,34 @@ def material_of(record: dict[str, Any]) -> Material:
     return Material(**(record | {"fragments": law_of(record["fragments"])}))
 
 
-def grid_record(grid: LogGrid) -> dict[str, Any]:
+def grid_record(grid: LogGrid | ResolvedGrid) -> dict[str, Any]:
     """Numbers of a grid."""
+    if isinstance(grid, ResolvedGrid):
+        return {"lower": grid.lower.tolist(), "upper": grid.upper.tolist()}
     return {"psi_min": grid.psi_min, "psi_max": grid.psi_max, "bins": grid.bins}
+
+
+def grid_of(record: dict[str, Any]) -> LogGrid | ResolvedGrid:
+    """Grid of a record that `grid_record` made."""
+    return ResolvedGrid(**record) if "lower" in record else LogGrid(**record)
+
+
+GRADINGS = ("points", "power-law", "lognormal", "rosin-rammler", "sieves")  # in the order of the core's laws
+
+
+def grading_record(grading: Grading) -> dict[str, Any]:
+    """Law, unit and notes of a grading."""
+    state: Any = grading.__getstate__()
+    (law, numbers), unit, notes = state
+    return {"law": GRADINGS[law], "numbers": numbers, "unit": unit, "notes": notes}
+
+
+def grading_of(record: dict[str, Any]) -> Grading:
+    """Grading of a record that `grading_record` made, or of its JSON."""
+    law = GRADINGS.index(record["law"]), tuple(record["numbers"])
+    grading: Any = Grading.__new__(Grading)
+    grading.__setstate__((law, record["unit"], record["notes"]))
+    return cast(Grading, grading)
 
 
 REPORTS: dict[str, tuple[type[SolveReport] | type[StepReport], tuple[str, ...]]] = {

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import LogGrid
+from comminute._core import LogGrid, ResolvedGrid
 from comminute.runs.results import ResultData
 
 Floats = npt.NDArray[np.float64]
@@ -74,20 +74,23 @@ def spacing_warnings(grid: LogGrid, needed: float) -> list[str]:
     ]
 
 
-def fines_warnings(grid: LogGrid, first_fines: float, loads: Floats, pmf: Floats, unit: str) -> list[str]:
+def fines_warnings(
+    grid: LogGrid | ResolvedGrid, first_fines: float, loads: Floats, pmf: Floats, unit: str
+) -> list[str]:
     """One line where much of the mass is too fine for the grid, with what that spoils."""
+    remedy = "ask for finer sizes" if isinstance(grid, ResolvedGrid) else "lower psi_min"
     if first_fines > FINES_LIMIT:
         return [
             f"{100 * first_fines:.3g} % of the start lies in the fines bin: curves below a size of "
             f"{grid.edge_sizes[1]:.3g}{_in(unit)} are not to be trusted, and grains beside such fines are judged "
-            "wrongly; lower psi_min"
+            f"wrongly; {remedy}"
         ]
     worst = int(np.argmax(pmf[:, 0]))
     if not pmf[worst, 0] > FINES_LIMIT:
         return []
     return [
         f"{100 * pmf[worst, 0]:.3g} % of the mass lies in the fines bin at stress ratio {loads[worst]:.4g}: curves "
-        f"below a size of {grid.edge_sizes[1]:.3g}{_in(unit)} are not to be trusted; lower psi_min"
+        f"below a size of {grid.edge_sizes[1]:.3g}{_in(unit)} are not to be trusted; {remedy}"
     ]
 
 

@@ -317,6 +317,41 @@ TEST_CASE("gradings come to their nodes with all their mass") {
     CHECK_THROWS_AS(node_pmf(comminute::monodisperse(2.0), even_nodes({0.0})), ParameterError);
 }
 
+TEST_CASE("sizes that are asked for are ends of bins, and exact sizes lie on the edges of bins") {
+    const std::vector<double> asked{1.0, -0.3, -2.5, -9.5};
+    const ResolvedGrid grid = comminute::fitting_nodes(comminute::gap_graded(1.0, 0.1), 0.05, {}, asked);
+    const std::vector<double> edges = grid.edges();
+    CHECK(grid.bins() == grid.nodes() - 2);
+    CHECK(static_cast<Index>(edges.size()) == grid.bins() + 1);
+    for (const double wanted : {-0.3, -2.5, -9.5, 0.0, std::log(0.1)})
+        CHECK(std::count(edges.begin(), edges.end(), wanted) == 1);
+    CHECK(edges.back() == 0.0);
+    CHECK(edges[1] == -9.5);
+    CHECK(std::is_sorted(edges.begin(), edges.end()));
+    CHECK_THROWS_AS(comminute::fitting_nodes(comminute::monodisperse(1.0), 0.05, {}, {std::nan("")}),
+                    ParameterError);
+}
+
+TEST_CASE("many materials are their single runs, whatever the threads") {
+    const ResolvedGrid grid = ResolvedGrid::graded(0.05, -8.0, {0.0}, {});
+    const std::vector<Material> materials{with_width(0.05), with_width(0.1), with_width(0.2)};
+    const std::vector<double> loads{1.0, 8.0, 4.0, 2.0, 1.5, 30.0};
+    const std::vector<double> pmf = top_node(grid);
+    const auto found = comminute::resolved_gradings(grid, pmf, materials, {loads.data(), 3, 2}, {}, 2);
+    for (Index m = 0; m < 3; ++m) {
+        Resolved law(grid, materials[at(m)], pmf);
+        for (Index t = 0; t < 2; ++t) {
+            law.load_to(loads[at(2 * m + t)]);
+            const auto from = found.begin() + (2 * m + t) * grid.nodes();
+            CHECK(law.pmf() == std::vector<double>(from, from + grid.nodes()));
+        }
+    }
+    const auto stopped =
+        comminute::resolved_gradings(grid, pmf, materials, {loads.data(), 3, 2}, {}, 1, [] { return false; });
+    CHECK(std::all_of(stopped.begin(), stopped.end(), [](double mass) { return mass == 0.0; }));
+    CHECK_THROWS_AS(comminute::resolved_gradings(grid, pmf, materials, {loads.data(), 2, 2}), ShapeError);
+}
+
 TEST_CASE("what the law of three cells cannot take is refused") {
     const ResolvedGrid grid = even_nodes({0.0});
     const std::vector<double> pmf = top_node(grid);

@@ -53,6 +53,8 @@ CORE: dict[str, object] = {
     "EngineTable.name": RUN["engine"].default,
     "EngineTable.scheme": SIMULATION["scheme"].default,
     "EngineTable.mean": cm.mixed_fabric(cm.monodisperse(1.0), cm.LogGrid(-1.0, 0.0, 8)).mean,
+    "EngineTable.closure": SIMULATION["closure"].default,
+    "EngineTable.sizes": list(SIMULATION["sizes"].default),
     "EngineTable.kind": RUN["kind"].default,
     "EngineTable.steps_per_load": RUN["steps_per_load"].default,
 }

@@ -67,6 +67,7 @@ THINGS = [
     cm.milling(SAND, SAND),
     cm.ResolvedGrid.graded(0.05, -8.0, [0.0]),
     cm.Resolved(MATERIAL, cm.monodisperse(1.0)),
+    cm.Simulation(MATERIAL, cm.monodisperse(1.0), closure="resolved", sizes=[0.5]).run(stress_ratio=2.0),
     cm.compare_closures(MATERIAL, cm.monodisperse(1.0), stress_ratio=2.0, cells=200),
     cm.Zone(1),
 ]
