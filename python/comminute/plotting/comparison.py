@@ -17,11 +17,12 @@ from comminute.plotting.marginals import draw_marginals
 from comminute.plotting.paper import CONTOURS, DENSITY_COLOURS, RED, figure_size, zone_edge
 from comminute.plotting.style import Picture, log_size_label, new_axes, size_label
 from comminute.runs.remarks import load_text
+from comminute.util.errors import parameter_error
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from comminute.runs.results import LatticeData, ResultData
+    from comminute.runs.results import Floats, LatticeData, ResultData
 
 MARKERS = "osD^"
 DENSITIES = (1e-3, 10.0)
@@ -107,6 +108,7 @@ def plot_evolution(
     continuum: ResultData,
     axes: Any = None,
     *,
+    resolved: ResultData | None = None,
     loads: Sequence[int] | None = None,
     limits: tuple[float, float] | None = None,
     bar: Literal["right", "bottom"] = "right",
@@ -117,8 +119,10 @@ def plot_evolution(
     ----------
     lattice, continuum : Result
         Runs under the same loads whose fabrics were kept.
-    axes : ndarray (2, K) of matplotlib Axes, optional
-        Axes for the lattice, and below them for the continuum.
+    axes : ndarray (2, K) or (3, K) of matplotlib Axes, optional
+        Axes for the lattice, below them for the continuum, and then for the resolved closure, where it is given.
+    resolved : ResolvedResult, optional
+        Run by the resolved closure under the same loads, for a third row.
     loads : sequence of int, optional
         Indices of the K loads. Left out: all.
     limits : (float, float), optional
@@ -128,7 +132,7 @@ def plot_evolution(
 
     Returns
     -------
-    ndarray (2, K) of matplotlib Axes
+    ndarray (2, K) or (3, K) of matplotlib Axes
 
     Examples
     --------
@@ -141,12 +145,13 @@ def plot_evolution(
     ((2, 2), 'lattice\n$\\sigma^*$ = 2')
     """
     chosen = list(range(lattice.stress_ratio.size) if loads is None else loads)
+    rows = _rows(lattice, continuum, resolved)
     if axes is None:
-        size = figure_size(20.0 + 40.0 * len(chosen), 90.0)
+        size = figure_size(20.0 + 40.0 * len(chosen), 45.0 * len(rows))
         axes = Picture(figsize=size, layout="constrained").subplots(
-            2, len(chosen), sharex=True, sharey=True, squeeze=False
+            len(rows), len(chosen), sharex=True, sharey=True, squeeze=False
         )
-    for row, (name, result) in enumerate((("lattice", lattice), ("continuum", continuum))):
+    for row, (name, result) in enumerate(rows.items()):
         for k, ax in zip(chosen, axes[row], strict=True):
             load = float(result.stress_ratio[k])
             state = result.fabric(k)
@@ -157,6 +162,12 @@ def plot_evolution(
         axes[0, 0].collections[0], ax=list(axes.flat), location=bar, label="density of mass", extend="both", aspect=35
     )
     return axes
+
+
+def _rows(lattice: ResultData, continuum: ResultData, resolved: ResultData | None) -> dict[str, ResultData]:
+    """Runs by the names of their rows."""
+    rows = {"lattice": lattice, "continuum": continuum}
+    return rows if resolved is None else rows | {"resolved": resolved}
 
 
 def _draw_curve(ax: Axes, curve: SizeCurve, **style: Any) -> None:
@@ -207,6 +218,7 @@ def plot_comparison(
     continuum: ResultData,
     figure: Figure | SubFigure | None = None,
     *,
+    resolved: ResultData | None = None,
     loads: Sequence[int] | None = None,
     limits: tuple[float, float] | None = None,
 ) -> Figure | SubFigure:
@@ -218,7 +230,10 @@ def plot_comparison(
     continuum : Result
         Result on the same grid and under the same loads.
     figure : matplotlib Figure, optional
-        Figure to draw on; narrower than 120 mm, the states stand in two columns, lattice left and continuum right.
+        Figure to draw on; narrower than 120 mm, the states stand in columns, lattice left and continuum right.
+    resolved : ResolvedResult, optional
+        Run by the resolved closure under the same loads, for a third row of states and a third family of curves. Its
+        distance is read at the bin edges that it shares with the lattice, so ask for some of these as its `sizes`.
     loads : sequence of int, optional
         Indices of the loads whose states are drawn. Left out: all.
     limits : (float, float), optional
@@ -239,27 +254,55 @@ def plot_comparison(
     ['lattice\n$\\sigma^*$ = 2', 'lattice']
     """
     count = lattice.stress_ratio.size if loads is None else len(loads)
+    rows = _rows(lattice, continuum, resolved)
     if figure is None:
-        figure = Picture(figsize=figure_size(170.0, 165.0), layout="constrained")
+        figure = Picture(figsize=figure_size(170.0, 75.0 + 45.0 * len(rows)), layout="constrained")
     narrow = figure.bbox.width / figure.get_dpi() * 25.4 < NARROW
-    parts: Any = figure.subfigures(2, 1, height_ratios=(1.8, 1.0) if narrow else (1.25, 1.0))
+    parts: Any = figure.subfigures(2, 1, height_ratios=(1.8 if narrow else 0.625 * len(rows), 1.0))
     states, curves = parts
-    shape = (count, 2) if narrow else (2, count)
+    shape = (count, len(rows)) if narrow else (len(rows), count)
     axes = states.subplots(*shape, sharex=True, sharey=True, squeeze=False)
     plot_evolution(
-        lattice, continuum, axes.T if narrow else axes, loads=loads, limits=limits, bar="bottom" if narrow else "right"
+        lattice,
+        continuum,
+        axes.T if narrow else axes,
+        resolved=resolved,
+        loads=loads,
+        limits=limits,
+        bar="bottom" if narrow else "right",
     )
-    left, right = curves.subplots(1, 2, sharex=True, sharey=True)
+    left, *others = curves.subplots(1, len(rows), sharex=True, sharey=True)
     plot_cdf_families(lattice, left).set_title("lattice")
-    plot_cdf_families(continuum, right, behind=lattice).set_title("continuum (lattice dotted)")
-    right.get_legend().remove()
-    right.label_outer()
-    distance = compare(continuum, lattice).distance
-    far = int(np.argmax(distance))
-    where = rf"at $\sigma^*$ = {load_text(lattice.stress_ratio[far])}"
-    said = f"largest distance\n{distance[far]:.3f} {where}"
-    right.text(0.04, 0.95, said, transform=right.transAxes, va="top", fontsize="small")
+    if narrow and resolved is not None:  # three panels leave no room for a legend in one of them, nor for three labels
+        legend = left.get_legend()
+        names = [text.get_text() for text in legend.get_texts()]
+        curves.legend(
+            legend.get_lines(), names, title=legend.get_title().get_text(), loc="outside lower center", ncols=3
+        )
+        legend.remove()
+        left.set_xlabel(f"$s$ ({lattice.unit})" if lattice.unit else "$s$")
+    for ax, (name, run) in zip(others, list(rows.items())[1:], strict=True):
+        plot_cdf_families(run, ax, behind=lattice).set_title(name)
+        ax.get_legend().remove()
+        ax.label_outer()
+        distance = compare(run, lattice).distance if run is continuum else _distance_at_shared_edges(run, lattice)
+        far = int(np.argmax(distance))
+        said = (
+            f"dotted: lattice\n{distance[far]:.2g} apart\n" + rf"at $\sigma^*$ = {load_text(lattice.stress_ratio[far])}"
+        )
+        ax.text(0.04, 0.95, said, transform=ax.transAxes, va="top", fontsize="small")
+        if narrow and resolved is not None:
+            ax.set_xlabel(left.get_xlabel())
     return figure
+
+
+def _distance_at_shared_edges(run: ResultData, lattice: LatticeData) -> Floats:
+    """(T,) largest difference of the curves at sizes at which both runs know how much is finer."""
+    ours, theirs = np.nonzero(np.isclose(run.edge_size[:, None], lattice.edge_size[None, :], rtol=1e-9, atol=0.0))
+    if ours.size == 0:
+        rule = "ask for some of the lattice's edge_size as sizes of the Simulation"
+        raise parameter_error("resolved", subject="its bins", finding="share no edge with the lattice's", rule=rule)
+    return np.asarray(np.abs(run.cdf[:, ours] - lattice.cdf[:, theirs]).max(axis=1))
 
 
 def plot_distances(comparisons: dict[str, Comparison], ax: Axes | None = None) -> Axes:

@@ -267,6 +267,11 @@ TEST_CASE("the joint law on bins has the grading's margin, and before any load t
         CHECK(below == doctest::Approx(expected).epsilon(1e-9));
     }
     CHECK_THROWS_AS(law.joint(comminute::LogGrid(-6.0, -0.5, 30)), ParameterError);
+    const double spacing = 0.1 + 1e-17;
+    const comminute::LogGrid ends(-7.05 * (1.0 - 1e-16), -0.5 * spacing * (1.0 + 4e-15),
+                                  71);  // at 0 less rounding
+    const std::vector<double> again = law.joint(ends);
+    CHECK(std::accumulate(again.begin(), again.end(), 0.0) == doctest::Approx(1.0).epsilon(1e-12));
 }
 
 TEST_CASE("nodes are narrow below what jumps, and widen") {

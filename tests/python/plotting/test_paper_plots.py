@@ -158,7 +158,7 @@ def test_the_comparison_says_how_far_the_two_are_apart(
     assert spec is not None
     assert spec.get_gridspec().get_geometry() == shape
     found = cm.compare(pair[1], pair[0])
-    assert f"{found.distance.max():.3f}" in curves.axes[1].texts[0].get_text()
+    assert f"{found.distance.max():.2g} apart" in curves.axes[1].texts[0].get_text()
     figure.canvas.draw()
 
 

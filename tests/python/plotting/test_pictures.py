@@ -92,6 +92,32 @@ def test_comparisons_have_room_for_their_titles_and_say_their_units(
         assert objections(figure_of(plotting.plot_distances({"sand": cm.compare(*pair)}))) == []
 
 
+@pytest.mark.parametrize(("width", "loads"), [(170.0, [0, 1, 4, 5]), (85.0, [0, 5])])
+def test_the_resolved_closure_has_a_row_and_a_panel_of_its_own(
+    pair: tuple[cm.LatticeResult, cm.Result], width: float, loads: list[int]
+) -> None:
+    lattice, continuum = pair
+    start = continuum.measured
+    assert start is not None
+    sand = cm.Grading.from_sieves(start.size, 100.0 * start.finer, unit=start.unit)
+    sizes = lattice.edge_size[40::20].tolist()
+    sim = cm.Simulation(continuum.material, sand, closure="resolved", sizes=sizes)
+    resolved = sim.run(stress_ratio=continuum.stress_ratio)
+    with mpl.rc_context(plotting.PRINT_STYLE):
+        figure = Figure(figsize=plotting.figure_size(width, 150.0 if width < 100.0 else 210.0), layout="constrained")
+        plotting.plot_comparison(lattice, continuum, figure, resolved=resolved, loads=loads)
+        assert objections(figure) == []
+    states, curves = figure.subfigs
+    assert [ax.get_title() for ax in curves.axes] == ["lattice", "continuum", "resolved"]
+    shared = np.isclose(resolved.edge_size[:, None], lattice.edge_size[None, :])
+    apart = np.abs(resolved.cdf[:, shared.any(axis=1)] - lattice.cdf[:, shared.any(axis=0)]).max()
+    assert f"{apart:.2g} apart" in curves.axes[2].texts[0].get_text()
+    assert sum(ax.get_title().startswith("resolved") for ax in states.axes) == len(loads)
+    without = cm.Simulation(continuum.material, sand, closure="resolved").run(stress_ratio=continuum.stress_ratio)
+    with pytest.raises(cm.ParameterError, match="edge_size"):
+        plotting.plot_comparison(lattice, continuum, resolved=without)
+
+
 @pytest.mark.parametrize("load", [0, 3, 5])
 def test_marginals_show_their_peaks(load: int, sand: cm.Result) -> None:
     """Mass of an exact size alone is a stem of no height; all else is to scale, in view, and adds up to the mass."""

@@ -4,6 +4,7 @@ import json
 import math
 import re
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +14,15 @@ from pictures import objections
 from typer.testing import CliRunner
 
 import comminute as cm
+from comminute import plotting
 from comminute.cli.app import app
 from comminute.runs.recipe import grading_of, grading_record
 from comminute.runs.results import CLOSURE_ERRORS
 
 MATERIAL = cm.Material(first_crush_stress=2.0)
 SAND = cm.Grading.from_sieves([2.0, 1.0, 0.5, 0.25], [100, 70, 20, 0], unit="mm")
-PATH = {"stress_ratio": [1.0, 8.0, 2.0, 4.0], "remix_after": [1]}
+LOADS = [1.0, 8.0, 2.0, 4.0]
+PATH = {"stress_ratio": LOADS, "remix_after": [1]}
 STARTS = {
     "equal": cm.monodisperse(1.0),
     "gap": cm.gap_graded(1.0, 0.2, 0.3).with_unit("mm"),
@@ -30,15 +33,15 @@ STARTS = {
 }
 
 
-def run(start: cm.Grading, **path: object) -> cm.Result:
-    return cm.Simulation(MATERIAL, start, closure="resolved").run(**(path or PATH))  # type: ignore[arg-type]
+def run(start: cm.Grading, **path: object) -> cm.ResolvedResult:
+    result = cm.Simulation(MATERIAL, start, closure="resolved").run(**(path or PATH))  # type: ignore[arg-type]
+    assert isinstance(result, cm.ResolvedResult)
+    return result
 
 
 @pytest.fixture(scope="module")
 def gap() -> cm.ResolvedResult:
-    result = run(STARTS["gap"])
-    assert isinstance(result, cm.ResolvedResult)
-    return result
+    return run(STARTS["gap"])
 
 
 @pytest.mark.parametrize("name", STARTS)
@@ -48,7 +51,7 @@ def test_a_run_is_the_law_by_bins(name: str) -> None:
     assert result.closure == "resolved"
     assert result.grid == law.grid
     assert np.unique(result.edge_size).size == result.grid.bins == result.pmf.shape[1]
-    for k, load in enumerate(PATH["stress_ratio"]):
+    for k, load in enumerate(LOADS):
         law.load_to(load)
         mass, exact = law.pmf(), law.grid.exact
         np.testing.assert_array_equal(result.stress_ratio[k], load)
@@ -144,8 +147,8 @@ def test_pictures_and_indices_read_uneven_bins(gap: cm.ResolvedResult) -> None:
     assert isinstance(picture, Figure)
     assert objections(picture) == []
     for index in ("D50", "B", "crushes", "fines"):
-        cm_axes = __import__("comminute.plotting", fromlist=["plot_index"]).plot_index(gap, index)
-        assert np.isfinite(cm_axes.lines[0].get_ydata()).all()
+        drawn = plotting.plot_index(gap, index).lines[0].get_ydata()
+        assert np.isfinite(np.asarray(drawn, dtype=float)).all()
     assert cm.breakage_index(gap.start_curve, gap.curve(1)).index > 0.0
 
 
@@ -168,16 +171,16 @@ def test_many_materials_are_their_single_runs() -> None:
     same = cm.resolved_gradings(materials[:2], STARTS["gap"], [1.0, 4.0])
     np.testing.assert_array_equal(same[0], found[0])
     with pytest.raises(cm.ShapeError, match="there are 4 materials"):
-        cm.resolved_gradings(materials, STARTS["gap"], [[1.0]])
+        cm.resolved_gradings(materials, STARTS["gap"], np.array([[1.0]]))
     with pytest.raises(cm.ParameterError, match=r"materials\[1\].*stress_ratio"):
-        cm.resolved_gradings(materials[:2], STARTS["gap"], [[1.0], [-1.0]])
+        cm.resolved_gradings(materials[:2], STARTS["gap"], np.array([[1.0], [-1.0]]))
 
 
 def test_what_the_closure_does_not_take_is_refused() -> None:
     grid = cm.LogGrid(-6.0, 0.0, 61)
     fabric = cm.mixed_fabric(cm.monodisperse(1.0), grid)
     sim = cm.Simulation(MATERIAL, SAND, closure="resolved")
-    refused = {
+    refused: dict[str, Callable[[], object]] = {
         "start .*knows the mean of two neighbours.*from_lattice": lambda: cm.Simulation(
             MATERIAL, fabric, closure="resolved"
         ),
@@ -186,9 +189,7 @@ def test_what_the_closure_does_not_take_is_refused() -> None:
         "closure is 'triple'.*'paper', 'resolved'": lambda: cm.Simulation(MATERIAL, SAND, closure="triple"),  # type: ignore[arg-type]
         r"sizes is \[1, 2\].*closure = 'resolved'": lambda: cm.Simulation(MATERIAL, SAND, sizes=[1.0, 2.0]),
         r"sizes\[1\] is 0": lambda: cm.Simulation(MATERIAL, SAND, closure="resolved", sizes=[1.0, 0.0]),
-        "fabric_width is inf": lambda: cm.Simulation(
-            cm.Material(fabric_width=math.inf), SAND, closure="resolved"
-        ),
+        "fabric_width is inf": lambda: cm.Simulation(cm.Material(fabric_width=math.inf), SAND, closure="resolved"),
         "engine is 'quasi-static'.*leave it out": lambda: sim.run(stress_ratio=1.0, engine="quasi-static"),
         "loading_rate is 0.5.*must be 0": lambda: sim.run(stress_ratio=1.0, loading_rate=0.5),
         "kind is 'fast'": lambda: sim.run(stress_ratio=1.0, kind="fast"),
@@ -224,9 +225,8 @@ def test_the_closure_error_is_the_worst_of_the_validation() -> None:
         found = max(int(number) for number in distances.split("|")) * 1e-4
         worst[float(width)] = max(worst.get(float(width), 0.0), found)
     rising = dict(zip(sorted(worst), np.maximum.accumulate([worst[width] for width in sorted(worst)]), strict=True))
-    assert CLOSURE_ERRORS == pytest.approx(rising)
+    assert pytest.approx(rising) == CLOSURE_ERRORS
     result = run(SAND, stress_ratio=[1.0])
-    assert isinstance(result, cm.ResolvedResult)
     assert result.closure_error == CLOSURE_ERRORS[MATERIAL.fabric_width]
     assert any("0.0036" in note for note in result.notes)
     unknown = cm.Simulation(cm.Material(fabric_width=0.6), SAND, closure="resolved").run(stress_ratio=1.0)
