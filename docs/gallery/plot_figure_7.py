@@ -5,8 +5,8 @@ Figure 7: equal grains
 All grains have one size at the start. The lattice (above), the continuum model (in the middle) and the law of three
 cells (below) go through the same loads; in all of them the mass leaves the band around the diagonal, where neighbours
 are too much alike. The curves of lattice and continuum agree to 0.06 to 0.07: already at the first load the two-cell
-model crushes half of the cells, the lattice 0.432 of them, since there a crushed grain shields two neighbours. The law of
-three cells knows both neighbours, and its curves are the lattice's to 0.001.
+model crushes half of the cells, the lattice 0.432 of them, since there a crushed grain shields two neighbours. The law
+of three cells knows both neighbours, and its curves are the lattice's to 0.001.
 """
 
 import math

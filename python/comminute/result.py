@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
-from comminute._core import Fabric
+from comminute._core import Fabric, ResolvedGrid
 from comminute.files.arrays import save_npz
 from comminute.files.storage import save_netcdf, to_dataset
 from comminute.runs.continuing import again, fabric_after, resumed
@@ -302,6 +302,8 @@ class ResolvedResult(Result, ResolvedData):
     >>> result.closure, result.closure_error
     ('resolved', 0.0036)
     """
+
+    grid: ResolvedGrid  # type: ignore[assignment]  # as of `ResolvedData`
 
 
 class Interrupted(KeyboardInterrupt):

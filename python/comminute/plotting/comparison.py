@@ -165,7 +165,7 @@ def plot_evolution(
 
 
 def _rows(lattice: ResultData, continuum: ResultData, resolved: ResultData | None) -> dict[str, ResultData]:
-    """Runs by the names of their rows."""
+    """Name each run as its row is named."""
     rows = {"lattice": lattice, "continuum": continuum}
     return rows if resolved is None else rows | {"resolved": resolved}
 
