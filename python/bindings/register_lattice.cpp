@@ -87,7 +87,7 @@ py::tuple ring_state(const LatticeRing& ring) {
     for (const auto& cell : ring.cells) psi.push_back(cell.psi);
     return py::make_tuple(array_of(psi), array_of(ring.crushes), ring.stream, ring.remixes, ring.passes,
                           ring.loaded_to, ring.at_rest, ring.stepped_to, avalanche_arrays(ring.avalanches),
-                          ring.avalanches_in_order);
+                          ring.avalanches_in_order, array_of(ring.log_strength));
 }
 
 LatticeRing ring_from(const py::tuple& t) {
@@ -105,6 +105,7 @@ LatticeRing ring_from(const py::tuple& t) {
     const auto sizes = vector_of<std::uint64_t>(avalanches[1]);
     for (std::size_t a = 0; a < loads.size(); ++a) ring.avalanches.push_back({loads[a], sizes[a]});
     ring.avalanches_in_order = t[9].cast<std::size_t>();
+    ring.log_strength = vector_of<double>(t[10]);
     return ring;
 }
 

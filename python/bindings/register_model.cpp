@@ -42,15 +42,17 @@ Examples
 >>> sand.stress_ratio(12.0)
 10.0
 )doc")
-        .def(py::init([](double w, double n, double s_max, FragmentLaw law, std::optional<double> stress) {
-                 Material material{w, n, s_max, law, stress};
+        .def(py::init([](double w, double n, double s_max, FragmentLaw law, std::optional<double> stress,
+                         bool scatter) {
+                 Material material{w, n, s_max, law, stress, scatter};
                  material.validate();
                  return material;
              }),
              py::kw_only(), py::arg("weibull_modulus") = standard.weibull_modulus,
              py::arg("fabric_width") = standard.fabric_width,
              py::arg("reference_size") = standard.reference_size, py::arg("fragments") = standard.fragments,
-             py::arg("first_crush_stress") = standard.first_crush_stress)
+             py::arg("first_crush_stress") = standard.first_crush_stress,
+             py::arg("strength_scatter") = standard.strength_scatter)
         .def_readonly("weibull_modulus", &Material::weibull_modulus, "w, Weibull modulus of grain strength.")
         .def_readonly("fabric_width", &Material::fabric_width,
                       "n, how far a neighbour may differ in log size.")
@@ -73,16 +75,21 @@ ParameterError
              [](const Material& x) {
                  return repr_of("Material", "weibull_modulus", x.weibull_modulus, "fabric_width",
                                 x.fabric_width, "reference_size", x.reference_size, "fragments", x.fragments,
-                                "first_crush_stress", x.first_crush_stress);
+                                "first_crush_stress", x.first_crush_stress, "strength_scatter",
+                                x.strength_scatter);
              })
         .def(py::pickle(
             [](const Material& x) {
                 return py::make_tuple(x.weibull_modulus, x.fabric_width, x.reference_size, x.fragments,
-                                      x.first_crush_stress);
+                                      x.first_crush_stress, x.strength_scatter);
             },
             [](const py::tuple& t) {
-                return Material{t[0].cast<double>(), t[1].cast<double>(), t[2].cast<double>(),
-                                t[3].cast<FragmentLaw>(), t[4].cast<std::optional<double>>()};
+                return Material{t[0].cast<double>(),
+                                t[1].cast<double>(),
+                                t[2].cast<double>(),
+                                t[3].cast<FragmentLaw>(),
+                                t[4].cast<std::optional<double>>(),
+                                t[5].cast<bool>()};
             }));
 }
 

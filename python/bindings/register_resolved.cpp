@@ -98,13 +98,17 @@ std::unique_ptr<Law> from_lattice(const py::object& lattice, std::optional<Resol
 }
 
 py::tuple stored(const TripleRecord& state) {
-    return py::make_tuple(copied(state.settled), copied(state.pending), state.level, state.crushes,
-                          state.avalanches);
+    return py::make_tuple(copied(state.settled), copied(state.pending), copied(state.endured), state.level,
+                          state.crushes, state.avalanches);
 }
 
 TripleRecord state_of(const py::tuple& state) {
-    return {state[0].cast<std::vector<double>>(), state[1].cast<std::vector<double>>(),
-            state[2].cast<double>(), state[3].cast<double>(), state[4].cast<double>()};
+    return {state[0].cast<std::vector<double>>(),
+            state[1].cast<std::vector<double>>(),
+            state[2].cast<std::vector<double>>(),
+            state[3].cast<double>(),
+            state[4].cast<double>(),
+            state[5].cast<double>()};
 }
 
 }  // namespace

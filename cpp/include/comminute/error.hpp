@@ -36,6 +36,7 @@ enum class Remedy {
     order_rows,               ///< an array whose rows follow each other without gaps
     leave_out,                ///< the parameter left out
     build_with_fftw,          ///< a build with FFTW
+    use_lattice_or_resolved,  ///< a model that knows scattered strengths
 };
 
 /// Every kind but `none`.

@@ -54,13 +54,15 @@ struct Avalanche {
 struct LatticeRing {
     std::vector<LatticeCell> cells;
     std::vector<std::uint32_t> crushes;  ///< per cell, since the start
-    std::uint64_t stream = 0;            ///< key of its random numbers
-    std::uint32_t remixes = 0;           ///< since the start
-    std::uint64_t passes = 0;            ///< of the time-stepped lattice, since the start
-    std::optional<double> loaded_to;     ///< largest stress ratio since the start or the last remixing
-    bool at_rest = true;                 ///< false after an interruption: `loaded_to` is still to be finished
-    double stepped_to = 0.0;             ///< load of the last pass of the time-stepped lattice
-    std::vector<Avalanche> avalanches;   ///< where recorded
+    std::vector<double>
+        log_strength;  ///< per cell, ln of its factor of the critical load; empty unless strengths scatter
+    std::uint64_t stream = 0;           ///< key of its random numbers
+    std::uint32_t remixes = 0;          ///< since the start
+    std::uint64_t passes = 0;           ///< of the time-stepped lattice, since the start
+    std::optional<double> loaded_to;    ///< largest stress ratio since the start or the last remixing
+    bool at_rest = true;                ///< false after an interruption: `loaded_to` is still to be finished
+    double stepped_to = 0.0;            ///< load of the last pass of the time-stepped lattice
+    std::vector<Avalanche> avalanches;  ///< where recorded
     std::size_t avalanches_in_order = 0;  ///< so many of them are complete and in the order of their loads
 };
 
@@ -76,6 +78,10 @@ struct LatticeEstimate {
 /// Every replica is a ring of M cells of equal mass. A cell crushes at the stress ratio of Eq. 2, where its
 /// neighbourhood size is the mean of its two neighbours; it is then made smaller by a factor X drawn from the
 /// fragment law. The test is closed, to rounding, as in CrushZones. Copies are independent and go on alike.
+///
+/// Where strengths scatter (`Material::strength_scatter`), the critical load is that of Eq. 2 times a factor of the cell's
+/// own, drawn from the Weibull law of the material's modulus and scale 1 for each grain of the start and for each
+/// fragment. A grain keeps its factor when the packing is remixed.
 class COMMINUTE_API LatticeState {
   public:
     virtual ~LatticeState() = default;

@@ -25,9 +25,15 @@ struct COMMINUTE_API Material {
     FragmentLaw fragments = WeibullFragments{};
     /// Stress at which a grain of reference_size among equals crushes; needed only to speak in stresses.
     std::optional<double> first_crush_stress = std::nullopt;
+    /// Whether each grain and each fragment has a strength of its own, drawn from the Weibull law of modulus w and scale 1
+    /// as a factor of its critical load. For `Lattice` and `Resolved`.
+    bool strength_scatter = false;
 
     /// @throws ParameterError naming the field, its value and its range
     void validate() const;
+    /// The same for a model that knows one critical load for each pair of sizes.
+    /// @throws ParameterError where strengths are scattered too
+    void validate_sharp() const;
 
     /// k = 6 n^2 / w of the log-space stress function (Eq. 15); inf where the fabric is off.
     double k() const { return 6.0 * fabric_width * fabric_width / weibull_modulus; }
@@ -39,7 +45,7 @@ struct COMMINUTE_API Material {
     friend bool operator==(const Material& a, const Material& b) {
         return a.weibull_modulus == b.weibull_modulus && a.fabric_width == b.fabric_width &&
                a.reference_size == b.reference_size && a.fragments == b.fragments &&
-               a.first_crush_stress == b.first_crush_stress;
+               a.first_crush_stress == b.first_crush_stress && a.strength_scatter == b.strength_scatter;
     }
 };
 

@@ -24,13 +24,15 @@ struct ResolvedOptions {
 struct TripleRecord {
     std::vector<double> settled;  ///< (N, N, N)
     std::vector<double> pending;  ///< (N, N, N) mass that is active and about to crush
-    double level = 0.0;           ///< load
+    std::vector<double>
+        endured;  ///< (N, N, N) hazard that the settled mass has borne, times it; where strengths scatter
+    double level = 0.0;  ///< load
     double crushes = 0.0;
     double avalanches = 0.0;
 
     friend bool operator==(const TripleRecord& a, const TripleRecord& b) {
-        return a.settled == b.settled && a.pending == b.pending && a.level == b.level &&
-               a.crushes == b.crushes && a.avalanches == b.avalanches;
+        return a.settled == b.settled && a.pending == b.pending && a.endured == b.endured &&
+               a.level == b.level && a.crushes == b.crushes && a.avalanches == b.avalanches;
     }
 };
 

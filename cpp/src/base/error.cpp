@@ -15,7 +15,7 @@ struct RemedyWords {
     const char* words;
 };
 
-constexpr std::array<RemedyWords, 20> remedy_words{{
+constexpr std::array<RemedyWords, 21> remedy_words{{
     {Remedy::normalise, "normalise", "divide it by its sum"},
     {Remedy::raise_psi_max, "raise_psi_max", "raise psi_max"},
     {Remedy::size_grid_automatically, "size_grid_automatically",
@@ -41,6 +41,7 @@ constexpr std::array<RemedyWords, 20> remedy_words{{
     {Remedy::leave_out, "leave_out", "leave it out"},
     {Remedy::build_with_fftw, "build_with_fftw",
      "install libfftw3-dev and build with -DCOMMINUTE_WITH_FFTW=ON, or use SlowUpdate, which needs none"},
+    {Remedy::use_lattice_or_resolved, "use_lattice_or_resolved", "take a Lattice or a Resolved"},
 }};
 
 const RemedyWords* entry_of(Remedy remedy) {

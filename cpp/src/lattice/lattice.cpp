@@ -12,6 +12,7 @@
 #include "base/check.hpp"
 #include "base/random.hpp"
 #include "base/workers.hpp"
+#include "lattice/crush.hpp"
 #include "lattice/weakest_first.hpp"
 
 namespace comminute {
@@ -75,6 +76,16 @@ void shuffle(LatticeRing& ring) {
             static_cast<std::size_t>((static_cast<unsigned __int128>(bits) * left) >> 64);
         std::swap(ring.cells[left - 1], ring.cells[other]);
         std::swap(ring.crushes[left - 1], ring.crushes[other]);
+        if (!ring.log_strength.empty()) std::swap(ring.log_strength[left - 1], ring.log_strength[other]);
+    }
+}
+
+void draw_strengths(LatticeRing& ring, const Material& material) {
+    if (!material.strength_scatter) return;
+    ring.log_strength.resize(ring.cells.size());
+    for (std::size_t c = 0; c < ring.cells.size(); ++c) {
+        const double uniform = random_uniform(ring.stream, Purpose::first_strength, c, 0);
+        ring.log_strength[c] = log_strength(uniform, material.weibull_modulus);
     }
 }
 
@@ -100,6 +111,7 @@ LatticeState::LatticeState(Index cells, Material material, const Grading& gradin
                 ring.cells[c].psi = relative_psi(size, material_.reference_size);
                 ring.cells[c].size = std::exp(ring.cells[c].psi);
             }
+            draw_strengths(ring, material_);
         },
         {});
     note_sizes(points != nullptr ? points->size : std::vector<double>{});
@@ -124,6 +136,7 @@ LatticeState::LatticeState(VectorView<const double> sizes, Material material, co
             const double psi = relative_psi(sizes[static_cast<Index>(c)], material_.reference_size);
             rings_.back().cells[c] = LatticeCell::of(psi);
         }
+        draw_strengths(rings_.back(), material_);
     }
     FewSizes few;
     for (const double size : sizes) few.add(size);
@@ -138,11 +151,14 @@ LatticeState::LatticeState(std::vector<LatticeRing> rings, Material material, co
             static_cast<double>(options.replicas), "the number of rings");
     for (const auto& ring : rings_) {
         require_cells(static_cast<Index>(ring.cells.size()));
-        if (ring.cells.size() != rings_.front().cells.size() || ring.crushes.size() != ring.cells.size()) {
+        const std::size_t strengths = material_.strength_scatter ? ring.cells.size() : 0;
+        if (ring.cells.size() != rings_.front().cells.size() || ring.crushes.size() != ring.cells.size() ||
+            ring.log_strength.size() != strengths) {
             throw ShapeError({.parameter = "rings",
                               .subject = "the rings",
                               .finding = "differ in length",
-                              .rule = "all must have the same number of cells and of crush counts"});
+                              .rule = "all must have the same number of cells, of crush counts and, where "
+                                      "strengths scatter, of strengths"});
         }
     }
     FewSizes sizes;
@@ -241,8 +257,8 @@ void LatticeState::remix() {
 
 bool operator==(const LatticeState& a, const LatticeState& b) {
     const auto known = [](const LatticeRing& r) {
-        return std::tie(r.cells, r.crushes, r.stream, r.remixes, r.passes, r.loaded_to, r.at_rest,
-                        r.stepped_to, r.avalanches, r.avalanches_in_order);
+        return std::tie(r.cells, r.crushes, r.log_strength, r.stream, r.remixes, r.passes, r.loaded_to,
+                        r.at_rest, r.stepped_to, r.avalanches, r.avalanches_in_order);
     };
     return typeid(a) == typeid(b) && a.material_ == b.material_ && a.options_.seed == b.options_.seed &&
            a.options_.mean == b.options_.mean &&

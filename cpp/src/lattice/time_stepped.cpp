@@ -66,7 +66,7 @@ class Passes {
                 crushing_.push_back(cell);
         }
         ++ring_.passes;
-        for (const Cell cell : crushing_) crush(ring_, cell, draw_);
+        for (const Cell cell : crushing_) crush(ring_, cell, draw_, material_);
         // Only cells that were active, or stand next to one that crushed, can be active now.
         candidates_.swap(active_);
         active_.clear();
@@ -88,7 +88,7 @@ class Passes {
     LoadLimit::Look look(Cell cell, double& critical) const {
         return limit_.look(
             ring_.cells[previous(cell)], ring_.cells[cell], ring_.cells[next(cell)],
-            [] { return std::uint64_t{0}; }, critical);
+            log_strength_of(ring_, cell), [] { return std::uint64_t{0}; }, critical);
     }
     bool is_active(Cell cell) const {
         double critical = 0.0;

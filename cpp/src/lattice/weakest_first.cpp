@@ -18,7 +18,7 @@ namespace {
 // stretches that cannot influence each other commute, and random numbers are drawn by cell and crush count, not by
 // turn. A cell that cannot crush below some limit whatever its neighbours do is a barrier: up to that limit the
 // stretches on its two sides evolve independently. Two kinds of cells are barriers for good, since sizes only fall:
-// those too small to crush even among equals, and those larger than their neighbourhood with a critical load beyond
+// those too small or too strong to crush even among equals, and those larger than their neighbourhood with a critical load beyond
 // the limit. They are so frequent that most stretches between them have a few cells. A stretch with few active
 // cells is run weakest first from a short list; one with many is first taken, in the same way, to an earlier limit,
 // at which there are more barriers. Whatever the limits chosen on the way, the crushes of every stretch come in the
@@ -84,6 +84,7 @@ class WeakestFirst {
     WeakestFirst(LatticeRing& ring, const Material& material, Mean mean, double log_load,
                  bool record_avalanches, const std::function<bool()>& go_on)
         : ring_(ring),
+          material_(material),
           cells_(ring.cells.data()),
           count_(static_cast<Cell>(ring.cells.size())),
           limit_(material, mean, largest_psi(ring), log_load),
@@ -121,7 +122,8 @@ class WeakestFirst {
 
     LoadLimit::Look look(Cell left, Cell cell, Cell right, double& critical) const {
         return limit_.look(
-            cells_[left], cells_[cell], cells_[right], [&] { return tie_key(cell); }, critical);
+            cells_[left], cells_[cell], cells_[right], log_strength_of(ring_, cell),
+            [&] { return tie_key(cell); }, critical);
     }
 
     // Takes the stretch to its limit, or puts parts of it on the list of what is to be done; false: interrupted.
@@ -204,7 +206,7 @@ class WeakestFirst {
                 crushes = 0;
             }
             ++crushes;
-            crush(ring_, weakest.cell, draw_);
+            crush(ring_, weakest.cell, draw_, material_);
             const Cell left = previous(weakest.cell);
             const Cell right = next(weakest.cell);
             refresh(part, weakest.cell);
@@ -247,6 +249,7 @@ class WeakestFirst {
     }
 
     LatticeRing& ring_;
+    const Material& material_;
     LatticeCell* cells_;
     Cell count_;
     LoadLimit limit_;

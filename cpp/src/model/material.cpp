@@ -20,6 +20,15 @@ void Material::validate() const {
     std::visit([](const auto& law) { law.validate(); }, fragments);
 }
 
+void Material::validate_sharp() const {
+    validate();
+    if (!strength_scatter) return;
+    throw ParameterError({.parameter = "strength_scatter",
+                          .value = "true",
+                          .finding = "is true, and the paper's closure knows one strength for each size",
+                          .remedy = Remedy::use_lattice_or_resolved});
+}
+
 double Material::stress_ratio(double stress) const {
     if (!first_crush_stress) {
         throw ParameterError({.parameter = "stress",

@@ -244,7 +244,7 @@ Resolved Resolved::of_triples(const ResolvedGrid& grid, const Material& material
     require_shares(triples, "triples");
     require_alike(triples, nodes);
     return Resolved(std::make_unique<Work>(grid, material, options, [&](const TripleTables& tables) {
-        return TripleState(tables, Array<double>(triples));
+        return TripleState(tables, Triples{triples});
     }));
 }
 
@@ -315,7 +315,7 @@ void Resolved::remix() {
     for (double& mass : pmf) mass /= total;
     work_->crushes_before = work_->crushes();
     work_->avalanches_before = work_->avalanches();
-    work_->restart(TripleState(work_->tables, pmf));
+    work_->restart(TripleState(work_->tables, pmf, work_->result.fine.endured(work_->tables)));
 }
 
 std::vector<double> Resolved::pmf() const {

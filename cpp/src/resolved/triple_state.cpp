@@ -1,47 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One step of the three-cell law (docs/theory/three_cells.md, section 4). The order of its parts matters: the zone
-// overruns, cells crush with their fragments among the same neighbours, and only then their neighbours see them smaller.
+// The state of the three-cell law, and what a rise of the load overruns of it (docs/theory/three_cells.md, section 3).
 #include "resolved/triple_state.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "simd/loops.hpp"
-#include "simd/products.hpp"
 
 namespace comminute::detail {
 
 namespace {
 
-// Mass so small that shares of it would be rounded to nothing or to all of it; it stays pending.
-constexpr double negligible_mass = 1e-200;
-
-constexpr Index pair_of(Index a, Index c) {
-    return a * (a + 1) / 2 + c;  // c <= a
+void put(const TripleTables& tables, const std::vector<double>& mass, LaneArray& to) {
+    const Index nodes = tables.nodes();
+    for (Index k = 0; k < nodes * nodes; ++k)
+        std::copy_n(mass.data() + k * nodes, nodes, to.data() + k * tables.stride());
 }
 
 }  // namespace
 
-TripleScratch::TripleScratch(const TripleTables& tables)
-    : first_of_pair(pair_of(tables.nodes(), 0) + 1),
-      next_of_pair(pair_of(tables.nodes(), 0)),
-      limit(tables.nodes() * tables.stride()),
-      pending(tables.nodes() * tables.stride()),
-      pairs(tables.nodes() * tables.stride()),
-      crushing(tables.nodes() * tables.stride()),
-      landed(tables.nodes() * tables.nodes() * tables.stride()),
-      beside(tables.nodes() * tables.nodes() * tables.stride()),
-      outcome(tables.nodes() * tables.stride()),
-      count(tables.nodes()),
-      around(tables.nodes() * tables.stride()),
-      moved(lanes_up(tables.nodes()) * tables.stride()),
-      factor(tables.nodes() * tables.stride()),
-      leaves(tables.stride()) {}
-
-TripleState::TripleState(const TripleTables& tables, const std::vector<double>& pmf)
+TripleState::TripleState(const TripleTables& tables, const std::vector<double>& pmf,
+                         const std::vector<double>& endured)
     : settled_(tables.nodes() * tables.nodes() * tables.stride()),
       pending_(settled_.size()),
       share_(settled_.size()),
+      own_(tables.material().strength_scatter ? settled_.size() : 0),
+      endured_(own_.size()),
       reach_(tables.nodes() * tables.nodes()),
       level_(tables.lowest_level()) {
     const VectorView<const double> p(pmf);
@@ -49,44 +33,49 @@ TripleState::TripleState(const TripleTables& tables, const std::vector<double>& 
         for (Index a = 0; a < tables.nodes(); ++a) {
             double* to = settled_.data() + row(tables, b, a);
             for (Index c = 0; c < tables.nodes(); ++c) to[c] = p[b] * (p[a] * p[c]);
+            if (endured_.size() == 0 || endured.empty()) continue;
+            double* borne = endured_.data() + row(tables, b, a);
+            for (Index c = 0; c < tables.nodes(); ++c) borne[c] = to[c] * detail::at(endured, b);
         }
     }
 }
 
-TripleState::TripleState(const TripleTables& tables, const Array<double>& mass)
+TripleState::TripleState(const TripleTables& tables, Triples mass)
     : TripleState(tables, std::vector<double>(static_cast<std::size_t>(tables.nodes()), 0.0)) {
-    const Index nodes = tables.nodes();
-    for (Index k = 0; k < nodes * nodes; ++k) {
-        std::copy_n(mass.data() + k * nodes, nodes, settled_.data() + k * tables.stride());
-    }
+    put(tables, mass.mass, settled_);
 }
 
 TripleState::TripleState(const TripleTables& tables, const TripleRecord& record)
-    : TripleState(tables, Array<double>(record.settled)) {
+    : TripleState(tables, Triples{record.settled}) {
+    if (endured_.size() > 0) put(tables, record.endured, endured_);
     level_ = record.level;
     crushes_ = record.crushes;
     avalanches_ = record.avalanches;
+    put(tables, record.pending, pending_);
     const Index nodes = tables.nodes();
-    const Array<double> pending(record.pending);
-    for (Index k = 0; k < nodes * nodes; ++k) {
-        std::copy_n(pending.data() + k * nodes, nodes, pending_.data() + k * tables.stride());
-    }
-    tables.for_each_reach(level_, [&](Index b, Index a, Reach reach, double half_width) {
+    tables.for_each_reach(level_, [&](Index b, Index a, Reach reach, const CentreZone& zone) {
         reach_[b * nodes + a] = reach;
-        for (Index c = reach.first; c <= reach.last; ++c)
-            share_[row(tables, b, a) + c] = tables.share(b, a, c, level_, half_width);
+        for (Index c = reach.first; c <= reach.last; ++c) {
+            const Index k = row(tables, b, a) + c;
+            share_[k] = tables.share(b, a, c, level_, zone);
+            if (own_.size() > 0) own_[k] = tables.endured(b, a, c, zone, share_[k]);
+        }
     });
 }
 
 TripleRecord TripleState::record(const TripleTables& tables) const {
     const Index nodes = tables.nodes();
-    TripleRecord record{{}, {}, level_, crushes_, avalanches_};
-    for (Index k = 0; k < nodes * nodes; ++k) {
-        const double* settled = settled_.data() + k * tables.stride();
-        const double* pending = pending_.data() + k * tables.stride();
-        record.settled.insert(record.settled.end(), settled, settled + nodes);
-        record.pending.insert(record.pending.end(), pending, pending + nodes);
-    }
+    TripleRecord record{{}, {}, {}, level_, crushes_, avalanches_};
+    const auto take = [&](const LaneArray& from, std::vector<double>& to) {
+        if (from.size() == 0) return;
+        for (Index k = 0; k < nodes * nodes; ++k) {
+            const double* row = from.data() + k * tables.stride();
+            to.insert(to.end(), row, row + nodes);
+        }
+    };
+    take(settled_, record.settled);
+    take(pending_, record.pending);
+    take(endured_, record.endured);
     return record;
 }
 
@@ -98,6 +87,17 @@ std::vector<double> TripleState::pmf(const TripleTables& tables) const {
         mass.push_back(sum);
     }
     return mass;
+}
+
+std::vector<double> TripleState::endured(const TripleTables& tables) const {
+    std::vector<double> hazard;
+    if (endured_.size() == 0) return hazard;
+    const Index block = tables.nodes() * tables.stride();
+    for (Index b = 0; b < tables.nodes(); ++b) {
+        const double mass = sum(settled_.data() + b * block, block);
+        hazard.push_back(mass > 0.0 ? sum(endured_.data() + b * block, block) / mass : 0.0);
+    }
+    return hazard;
 }
 
 // Pending mass lies where the share is not 0.
@@ -112,14 +112,12 @@ double TripleState::pair_mass(const TripleTables& tables, Index b, Index a) cons
 double TripleState::overrun_mass(const TripleTables& tables, double level) const {
     double total = 0.0;
     double clash = 0.0;
-    tables.for_each_reach(level, [&](Index b, Index a, Reach reach, double half_width) {
+    tables.for_each_reach(level, [&](Index b, Index a, Reach reach, const CentreZone& zone) {
         const Index at = row(tables, b, a);
         double shell = 0.0;
         for (Index c = reach.first; c <= reach.last; ++c) {
-            const double before = share_[at + c];
-            if (before == 1.0 || settled_[at + c] == 0.0) continue;
-            const double after = tables.share(b, a, c, level, half_width);
-            shell += settled_[at + c] * std::max(after - before, 0.0) / (1.0 - before);
+            if (share_[at + c] == 1.0 || settled_[at + c] == 0.0) continue;
+            shell += taken(at + c, tables.share(b, a, c, level, zone));
         }
         if (shell <= 0.0) return;
         total += shell;
@@ -128,219 +126,37 @@ double TripleState::overrun_mass(const TripleTables& tables, double level) const
     return std::max(total, std::sqrt(clash));
 }
 
-void TripleState::step(const TripleTables& tables, double level, TripleScratch& scratch) {
-    overrun(tables, level);
-    count_pairs(tables, scratch);
-    release(tables, scratch);
-    crush_between_pairs(tables, scratch);
-    replace_sides(tables, scratch);
-    settle_landed(tables, scratch);
+// Zones are nested, and settled mass lies evenly outside the one before. Scattered strengths that have borne a hazard are
+// a share e^(h - h') of themselves under a greater one.
+double TripleState::taken(Index at, double after) const {
+    if (endured_.size() == 0) {
+        const double before = share_[at];
+        return before < 1.0 ? settled_[at] * (std::max(after - before, 0.0) / (1.0 - before)) : 0.0;
+    }
+    if (!(settled_[at] > 0.0)) return 0.0;
+    const double more = hazard_of(after) - std::max(hazard_of(share_[at]), endured_[at] / settled_[at]);
+    return more > 0.0 ? settled_[at] * -std::expm1(-more) : 0.0;
 }
 
-// Zones are nested, and settled mass lies evenly outside the one before.
 void TripleState::overrun(const TripleTables& tables, double level) {
     level_ = level;
-    tables.for_each_reach(level, [&](Index b, Index a, Reach reach, double half_width) {
+    tables.for_each_reach(level, [&](Index b, Index a, Reach reach, const CentreZone& zone) {
         const Index at = row(tables, b, a);
         reach_[b * tables.nodes() + a] = reach;
-        for (Index c = reach.first; c <= reach.last; ++c) {
-            double& share = share_[at + c];
-            if (share == 1.0) continue;
-            const double after = tables.share(b, a, c, level, half_width);
-            const double taken = settled_[at + c] * (std::max(after - share, 0.0) / (1.0 - share));
-            settled_[at + c] -= taken;
-            pending_[at + c] += taken;
-            avalanches_ += taken;
-            share = after;
+        for (Index k = at + reach.first; k <= at + reach.last; ++k) {
+            if (share_[k] == 1.0 && (endured_.size() == 0 || settled_[k] == 0.0)) continue;
+            const double after = tables.share(b, a, k - at, level, zone);
+            const double mass = taken(k, after);
+            const double kept = settled_[k] > 0.0 ? 1.0 - mass / settled_[k] : 1.0;
+            settled_[k] -= mass;
+            pending_[k] += mass;
+            avalanches_ += mass;
+            share_[k] = after;
+            if (endured_.size() == 0) continue;
+            own_[k] = tables.endured(b, a, k - at, zone, after);
+            endured_[k] = std::max(endured_[k] * kept, settled_[k] * own_[k]);
         }
     });
-}
-
-void TripleState::count_pairs(const TripleTables& tables, TripleScratch& scratch) const {
-    for (Index b = 0; b < tables.nodes(); ++b) {
-        for (Index a = 0; a < tables.nodes(); ++a) {
-            const Index at = row(tables, b, a);
-            const Reach reach = reach_[b * tables.nodes() + a];
-            double pending = 0.0;
-            for (Index c = reach.first; c <= reach.last; ++c) pending += pending_[at + c];
-            scratch.pending[b * tables.stride() + a] = pending;
-            scratch.pairs[b * tables.stride() + a] = sum(settled_.data() + at, tables.nodes()) + pending;
-        }
-    }
-}
-
-// No more of a pair may crush in one step than leaves either side half of what it has. Nearly always that is all.
-void TripleState::release(const TripleTables& tables, TripleScratch& scratch) {
-    const Index nodes = tables.nodes();
-    const Index stride = tables.stride();
-    for (Index b = 0; b < nodes; ++b) {
-        for (Index a = 0; a <= b; ++a) {
-            const double one = scratch.pending[b * stride + a];
-            const double other = scratch.pending[a * stride + b];
-            const double most = 2.0 * std::max(one, other) + std::min(one, other);
-            const double mass = std::min(scratch.pairs[b * stride + a], scratch.pairs[a * stride + b]);
-            const double limit = most > mass && most > 0.0 ? mass / most : 1.0;
-            scratch.limit[b * stride + a] = scratch.limit[a * stride + b] = limit;
-        }
-    }
-
-    std::fill(scratch.first_of_pair.begin(), scratch.first_of_pair.end(), Index{0});
-    const auto for_each_pending = [&](const auto& visit) {
-        for (Index b = 1; b < nodes; ++b) {
-            for (Index a = 0; a < nodes; ++a) visit(b, a, reach_[b * nodes + a]);
-        }
-    };
-    for_each_pending([&](Index, Index a, Reach reach) {
-        for (Index c = reach.first; c <= std::min(reach.last, a); ++c)
-            ++scratch.first_of_pair[pair_of(a, c) + 1];
-    });
-    for (Index k = 0; k < scratch.next_of_pair.size(); ++k) {
-        scratch.next_of_pair[k] = scratch.first_of_pair[k];
-        scratch.first_of_pair[k + 1] += scratch.first_of_pair[k];
-    }
-    scratch.active.resize(static_cast<std::size_t>(scratch.first_of_pair.back()));
-    std::fill(scratch.crushing.begin(), scratch.crushing.end(), 0.0);
-    for_each_pending([&](Index b, Index a, Reach reach) {
-        const Index at = row(tables, b, a);
-        const double* limit = scratch.limit.data() + b * stride;
-        double crushing = 0.0;
-        for (Index c = reach.first; c <= reach.last; ++c) {
-            double crushes = pending_[at + c] * (limit[a] * limit[c]);
-            if (crushes < negligible_mass) crushes = 0.0;
-            pending_[at + c] -= crushes;
-            crushing += crushes;
-            if (c <= a)
-                detail::at(scratch.active, scratch.next_of_pair[pair_of(a, c)]++) = {b, share_[at + c],
-                                                                                     crushes};
-        }
-        scratch.crushing[b * stride + a] = crushing;
-    });
-}
-
-// A fragment goes on crushing as long as it is active between the same neighbours. With G the shares in which one crush of
-// an active node ends, G_b = (f_b (1 - A) + sum over active i < b of f_bi A_i G_i) / (1 - f_bb A_b), and likewise the
-// number of crushes on the way.
-void TripleState::crush_between_pairs(const TripleTables& tables, TripleScratch& scratch) {
-    const Index nodes = tables.nodes();
-    const Index stride = tables.stride();
-    for (const Index at : scratch.written) std::fill_n(scratch.landed.data() + at, stride, 0.0);
-    scratch.written.clear();
-    for (Index a = 0; a < nodes; ++a) {
-        for (Index b = 0; b < nodes; ++b) {
-            if (scratch.crushing[b * stride + a] > 0.0)
-                std::fill_n(scratch.beside.data() + (a * nodes + b) * stride, stride, 0.0);
-        }
-    }
-    for (Index a = 0; a < nodes; ++a) {
-        for (Index c = 0; c <= a; ++c) {
-            const TripleScratch::Active* active =
-                scratch.active.data() + scratch.first_of_pair[pair_of(a, c)];
-            Index count = scratch.first_of_pair[pair_of(a, c) + 1] - scratch.first_of_pair[pair_of(a, c)];
-            while (count > 0 && active[count - 1].crushes <= 0.0) --count;
-            if (count == 0) continue;
-            double* landed = scratch.landed.data() + (a * nodes + c) * stride;
-            scratch.written.push_back((a * nodes + c) * stride);
-            for (Index k = 0; k < count; ++k) {
-                const Index b = active[k].node;
-                const double* once = tables.fragments(b);
-                double* outcome = scratch.outcome.data() + k * stride;
-                std::copy_n(once, lanes_up(b + 1), outcome);
-                for (Index i = 0; i <= k; ++i) outcome[active[i].node] *= 1.0 - active[i].share;
-                double crushes = 1.0;
-                for (Index i = 0; i < k; ++i) {
-                    const Index fragment = active[i].node;
-                    const double again = once[fragment] * active[i].share;
-                    if (again == 0.0) continue;
-                    add_scaled(again, scratch.outcome.data() + i * stride, outcome, fragment + 1);
-                    crushes += again * scratch.count[i];
-                }
-                const double stays = 1.0 / (1.0 - once[b] * active[k].share);
-                for (Index i = 0; i <= b; ++i) outcome[i] *= stays;
-                scratch.count[k] = crushes * stays;
-                if (active[k].crushes <= 0.0) continue;
-                add_scaled(active[k].crushes, outcome, landed, b + 1);
-                add_scaled(active[k].crushes, outcome, scratch.beside.data() + (a * nodes + b) * stride,
-                           b + 1);
-                if (c != a)
-                    add_scaled(active[k].crushes, outcome, scratch.beside.data() + (c * nodes + b) * stride,
-                               b + 1);
-                crushes_ += (c != a ? 2.0 : 1.0) * active[k].crushes * scratch.count[k];
-            }
-            if (c == a) continue;
-            std::copy_n(landed, stride, scratch.landed.data() + (c * nodes + a) * stride);
-            scratch.written.push_back((c * nodes + a) * stride);
-        }
-    }
-}
-
-// The left of two adjacent cells knows nothing of what is right of them: of the centres a beside b, those beside a
-// crushing b are a share that does not depend on the other neighbour z.
-void TripleState::replace_sides(const TripleTables& tables, TripleScratch& scratch) {
-    const Index nodes = tables.nodes();
-    const Index stride = tables.stride();
-    for (Index a = 0; a < nodes; ++a) {
-        scratch.columns.clear();
-        std::fill(scratch.leaves.begin(), scratch.leaves.end(), 0.0);
-        for (Index b = 1; b < nodes; ++b) {
-            const double crushing = scratch.crushing[b * stride + a];
-            if (crushing <= 0.0) continue;
-            const double keeping = scratch.pairs[a * stride + b] - scratch.crushing[a * stride + b];
-            double* factor = scratch.factor.data() + scratch.columns.size() * stride;
-            const double* beside = scratch.beside.data() + (a * nodes + b) * stride;
-            const double share = 1.0 / keeping;
-            for (Index i = 0; i < stride; ++i) factor[i] = beside[i] * share;
-            scratch.leaves[b] = crushing * share;
-            scratch.columns.push_back(b);
-        }
-        if (scratch.columns.empty()) continue;
-        const Index terms = scratch.columns.size();
-        for (Index z = 0; z < nodes; ++z) {
-            double* around = scratch.around.data() + z * stride;
-            const double* settled = settled_.data() + row(tables, a, z);
-            const double* pending = pending_.data() + row(tables, a, z);
-            for (Index t = 0; t < terms; ++t) {
-                const Index b = scratch.columns[t];
-                around[t] = settled[b] + pending[b];
-            }
-        }
-        multiply_lower({scratch.around.data(), scratch.columns.data(), scratch.factor.data(), terms, stride},
-                       scratch.moved.data(), nodes);
-        add_transposed(scratch.moved.data(), stride, lanes_up(nodes));
-        for (Index z = 0; z < nodes; ++z) {
-            const Index at = row(tables, a, z);
-            const Reach reach = reach_[a * nodes + z];
-            const double* arriving = scratch.moved.data() + z * stride;
-            const double* leaves = scratch.leaves.data();
-            double* settled = settled_.data() + at;
-            const auto rest = [&](Index begin, Index end) {
-                replace_neighbours(leaves[z], leaves + begin, arriving + begin, settled + begin, end - begin);
-            };
-            if (reach.empty()) {
-                rest(0, nodes);
-                continue;
-            }
-            rest(0, reach.first);
-            for (Index b = reach.first; b <= reach.last; ++b) {
-                const double stays = 1.0 - (leaves[z] + leaves[b]);
-                const double share = share_[at + b];
-                pending_[at + b] = pending_[at + b] * stays + share * arriving[b];
-                settled[b] = settled[b] * stays + (1.0 - share) * arriving[b];
-            }
-            rest(reach.last + 1, nodes);
-        }
-    }
-}
-
-void TripleState::settle_landed(const TripleTables& tables, TripleScratch& scratch) {
-    const Index nodes = tables.nodes();
-    const Index stride = tables.stride();
-    for (const Index at : scratch.written) {
-        const Index a = at / stride / nodes;
-        const Index c = at / stride % nodes;
-        const double* landed = scratch.landed.data() + at;
-        double* settled = settled_.data() + a * stride + c;
-        for (Index b = 0; b < nodes; ++b) settled[b * nodes * stride] += landed[b];
-    }
 }
 
 }  // namespace comminute::detail

@@ -34,20 +34,29 @@ struct TripleScratch {
     LaneArray beside;            // (N, N, stride) [a, b, b']: fragments b' of the crushed cells b beside a
     LaneArray outcome;           // (N, stride) share of one crush that ends in each node, by active node
     Array<double> count;         // (N) crushes until then
-    LaneArray around;      // (N, stride) [z, t]: mass of one centre between z and its crushing neighbour t
-    LaneArray moved;       // (rows, stride) [z, b']: of that what has b' for b now
-    LaneArray factor;      // (N, stride)
-    LaneArray leaves;      // (stride) share of each neighbour of a centre that crushes
-    Array<Index> columns;  // neighbours that do
+    LaneArray around;         // (N, stride) [z, t]: mass of one centre between z and its crushing neighbour t
+    LaneArray moved;          // (rows, stride) [z, b']: of that what has b' for b now
+    LaneArray moved_endured;  // the same of hazards endured, where strengths scatter
+    LaneArray factor;         // (N, stride)
+    LaneArray leaves;         // (stride) share of each neighbour of a centre that crushes
+    Array<Index> columns;     // neighbours that do
+};
+
+/// Mass of every triple. (N, N, N) of centre, left and right neighbour
+struct Triples {
+    const std::vector<double>& mass;
 };
 
 /// State of the law of three cells: settled and pending mass of every triple, centre by centre, and the load.
 class TripleState {
   public:
-    /// A random mixture. @param pmf (N) share of each node
-    TripleState(const TripleTables& tables, const std::vector<double>& pmf);
-    /// Counted triples. @param mass (N, N, N) of centre, left and right neighbour
-    TripleState(const TripleTables& tables, const Array<double>& mass);
+    /// A random mixture.
+    /// @param pmf      (N) share of each node
+    /// @param endured  (N) hazard that its grains have endured; may be left out
+    explicit TripleState(const TripleTables& tables, const std::vector<double>& pmf,
+                         const std::vector<double>& endured = {});
+    /// Counted triples.
+    TripleState(const TripleTables& tables, Triples mass);
     /// A state as `record` gave it, in every bit: shares and reach follow from the load.
     TripleState(const TripleTables& tables, const TripleRecord& record);
     TripleRecord record(const TripleTables& tables) const;
@@ -57,6 +66,8 @@ class TripleState {
     double avalanches() const { return avalanches_; }
     /// (N) mass by node.
     std::vector<double> pmf(const TripleTables& tables) const;
+    /// (N) hazard that the settled mass of each node has endured, on average; empty unless strengths scatter.
+    std::vector<double> endured(const TripleTables& tables) const;
     /// Settled and pending mass of one triple.
     double mass(const TripleTables& tables, Index b, Index a, Index c) const {
         const Index at = (b * tables.nodes() + a) * tables.stride() + c;
@@ -76,6 +87,17 @@ class TripleState {
         return (b * tables.nodes() + a) * tables.stride();
     }
     double pair_mass(const TripleTables& tables, Index b, Index a) const;
+    /// Settled mass of an entry that an active share takes.
+    double taken(Index at, double after) const;
+    /// Mass that settles, and the hazard that it has borne, times it.
+    struct Settling {
+        double mass;
+        double endured;
+    };
+    Settling settling_of(Index at, double arriving, double endured) const;
+    template <class Mass>
+    void move_neighbours(const TripleTables& tables, Index centre, TripleScratch& scratch, LaneArray& moved,
+                         const Mass& mass) const;
     void overrun(const TripleTables& tables, double level);
     void count_pairs(const TripleTables& tables, TripleScratch& scratch) const;
     void release(const TripleTables& tables, TripleScratch& scratch);
@@ -83,9 +105,12 @@ class TripleState {
     void replace_sides(const TripleTables& tables, TripleScratch& scratch);
     void settle_landed(const TripleTables& tables, TripleScratch& scratch);
 
-    LaneArray settled_;   // (N, N, stride)
-    LaneArray pending_;   // (N, N, stride)
-    LaneArray share_;     // (N, N, stride) active share under the load
+    LaneArray settled_;  // (N, N, stride)
+    LaneArray pending_;  // (N, N, stride)
+    LaneArray share_;    // (N, N, stride) active share under the load
+    LaneArray own_;      // (N, N, stride) hazard endured by cells that have always been in their triple
+    LaneArray
+        endured_;  // (N, N, stride) hazard that settled mass has borne, times it; empty unless strengths scatter
     Array<Reach> reach_;  // (N, N) where that share is not 0
     double level_;
     double crushes_ = 0.0;

@@ -69,13 +69,15 @@ TripleTables::TripleTables(const ResolvedGrid& grid, const Material& material, M
     floor_ = edge_floor * n * edge_floor * n;
     tie_length_ = 2.0 * n * n * tie_rise;
     tie_slack_ = tie_slack * n;
+    early_ = material_.strength_scatter ? -least_log_hazard * 2.0 * n * n / material_.weibull_modulus : 0.0;
+    contrast_ = std::sqrt(material_.weibull_modulus) / n;
     const double reference = std::log(material_.reference_size);
     for (Index i = 0; i < nodes_; ++i) {
         centre_[i] = grid.centre(i);
         width_[i] = grid.width(i);
         strength_[i] = material_.k() * (centre_[i] - reference);
     }
-    lowest_level_ = -material_.k() * (grid.upper(nodes_ - 1) - reference) - 2.0 * tie_length_;
+    lowest_level_ = -material_.k() * (grid.upper(nodes_ - 1) - reference) - 2.0 * tie_length_ - early_;
     for (Index a = 0; a < nodes_; ++a) {
         for (Index c = 0; c <= a; ++c) {
             const double ratio = std::exp(centre_[c] - centre_[a]);
@@ -120,10 +122,14 @@ double TripleTables::log_stress_ratio(double level) const {
     return level / (2.0 * material_.fabric_width * material_.fabric_width);
 }
 
-double TripleTables::half_width(Index b, double level) const {
-    if (b == 0) return 0.0;
+CentreZone TripleTables::zone(Index b, double level) const {
+    if (b == 0) return {};
     const double early = grid_.exact(b) ? tie_length_ : 0.0;  // ties begin before the zone reaches them
-    return std::sqrt(std::max(level + early + strength_[b], 0.0));
+    CentreZone zone{std::sqrt(std::max(level + early + early_ + strength_[b], 0.0)), std::nullopt};
+    // In scattered units the square of a zone's half-width, without what is early, is twice the log of the hazard.
+    if (material_.strength_scatter && zone.half_width > 0.0)
+        zone.scattered.emplace(0.5 * contrast_ * contrast_ * (level + strength_[b]));
+    return zone;
 }
 
 double TripleTables::tie(Index b, Index a, Index c, double level) const {
@@ -131,34 +137,46 @@ double TripleTables::tie(Index b, Index a, Index c, double level) const {
     return std::clamp(1.0 + (level - (x * x - strength_[b])) / tie_length_, 0.0, 1.0);
 }
 
-double TripleTables::share(Index b, Index a, Index c, double level, double half_width) const {
+double TripleTables::share(Index b, Index a, Index c, double level, const CentreZone& zone) const {
+    double half_width = zone.half_width;
     if (half_width == 0.0) return 0.0;
+    const double x = centre_[b] - neighbourhood(a, c);
+    const double edge = std::sqrt(width_[b] * width_[b] + spread(a, c) + floor_);
+    if (zone.scattered) {
+        if (all_exact(b, a, c)) return zone.scattered->at(contrast_ * x);
+        return zone.scattered->mean(contrast_ * (x - 0.5 * edge), contrast_ * (x + 0.5 * edge));
+    }
     if (grid_.exact(b)) {
-        if (grid_.exact(a) && grid_.exact(c)) return tie(b, a, c, level);
+        if (all_exact(b, a, c)) return tie(b, a, c, level);
         half_width = std::sqrt(std::max(level + strength_[b], 0.0));
         if (half_width == 0.0) return 0.0;
     }
-    const double x = centre_[b] - neighbourhood(a, c);
-    const double edge = std::sqrt(width_[b] * width_[b] + spread(a, c) + floor_);
     return ramp((half_width - x) / edge) - ramp((-half_width - x) / edge);
 }
 
-Reach TripleTables::reach(Index b, Index a, double level, double half_width) const {
-    if (half_width == 0.0) return {};
+double TripleTables::endured(Index b, Index a, Index c, const CentreZone& zone, double share) const {
+    if (all_exact(b, a, c)) return hazard_of(share);
+    const double x = centre_[b] - neighbourhood(a, c);
+    const double edge = std::sqrt(width_[b] * width_[b] + spread(a, c) + floor_);
+    return zone.scattered->endured(contrast_ * (x - 0.5 * edge), contrast_ * (x + 0.5 * edge), share);
+}
+
+Reach TripleTables::reach(Index b, Index a, double level, const CentreZone& zone) const {
+    if (zone.half_width == 0.0) return {};
     const double most =
-        half_width + 0.5 * std::sqrt(width_[b] * width_[b] + widest_[a] + floor_) + tie_slack_;
+        zone.half_width + 0.5 * std::sqrt(width_[b] * width_[b] + widest_[a] + floor_) + tie_slack_;
     const double* means = mean_size_.data() + a * stride_;
     const double* begin = std::lower_bound(means, means + nodes_, centre_[b] - most);
     const double* end = std::upper_bound(begin, means + nodes_, centre_[b] + most);
     Reach found{begin - means, end - means - 1};
     const auto outside = [&](Index c) {
-        const double beyond = std::abs(centre_[b] - means[c]) - half_width - tie_slack_;
+        const double beyond = std::abs(centre_[b] - means[c]) - zone.half_width - tie_slack_;
         return beyond > 0.0 && 4.0 * beyond * beyond >= width_[b] * width_[b] + spread(a, c) + floor_;
     };
     while (!found.empty() && outside(found.first)) ++found.first;
     while (!found.empty() && outside(found.last)) --found.last;
-    while (!found.empty() && share(b, a, found.first, level, half_width) == 0.0) ++found.first;
-    while (!found.empty() && share(b, a, found.last, level, half_width) == 0.0) --found.last;
+    while (!found.empty() && share(b, a, found.first, level, zone) == 0.0) ++found.first;
+    while (!found.empty() && share(b, a, found.last, level, zone) == 0.0) --found.last;
     return found;
 }
 

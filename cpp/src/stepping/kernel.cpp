@@ -27,7 +27,7 @@ Array<double> spread(const FragmentPmf& fragments, Index from) {
 
 Kernel::Kernel(const LogGrid& grid, const Material& material, const KernelOptions& options)
     : grid_(grid), material_(material), options_(options) {
-    material_.validate();
+    material_.validate_sharp();
     const auto& [kind, loading_rate, scheme] = options_;
     require(loading_rate >= 0.0 && loading_rate <= 1.0, "loading_rate", loading_rate, "between 0 and 1");
     if (kind != KernelKind::blend && loading_rate != 0.0) {

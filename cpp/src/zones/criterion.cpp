@@ -61,7 +61,7 @@ CrushZones::CrushZones(const LogGrid& grid, const Material& material, double str
       material_(material),
       band_(Array<Index>(grid.bins()).vector()),
       overlap_(Array<Index>(grid.bins()).vector()) {
-    material_.validate();
+    material_.validate_sharp();
     strength_ = 3.0 / material_.weibull_modulus;
     log_reference_ = std::log(material_.reference_size);
     magnitude_ = std::max({std::abs(grid_.psi_min()), std::abs(grid_.psi_max()), std::abs(log_reference_)});
@@ -133,7 +133,7 @@ double CrushZones::distrusted_below() const {
 
 double active_share(const LogGrid& grid, const Material& material, double stress_ratio, Index m,
                     Index distance) {
-    material.validate();
+    material.validate_sharp();
     require_stress_ratio(stress_ratio);
     require(m >= 0 && m < grid.bins(), "m", static_cast<double>(m), "a bin of the grid");
     require(distance >= 0 && distance <= m, "distance", static_cast<double>(distance), "between 0 and m");
@@ -145,7 +145,7 @@ double active_share(const LogGrid& grid, const Material& material, double stress
 
 void active_share(const LogGrid& grid, const Material& material, double stress_ratio,
                   MatrixView<double> share) {
-    material.validate();
+    material.validate_sharp();
     require_stress_ratio(stress_ratio);
     require_square(share, grid.bins(), "share");
     const Index bins = grid.bins();

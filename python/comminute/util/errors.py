@@ -40,6 +40,7 @@ PYTHON: dict[str, str] = {
     "leave_out": "leave it out",
     "build_with_fftw": "install libfftw3-dev and build with -DCOMMINUTE_WITH_FFTW=ON, or use SlowUpdate, "
     "which needs none",
+    "use_lattice_or_resolved": 'take a Lattice, or closure="resolved"',
     "name_retained_column": "retained percentages? name the column percent_retained.",
     "name_cumulative_column": "cumulative values? name the column percent_cumulative_retained.",
     "name_unit": 'name it, with_unit("mm") for an ideal grading',
