@@ -31,6 +31,7 @@ PYTHON: dict[str, str] = {
     "add_coarser_sieve": "add the size that all grains pass",
     "add_finer_sieve": "add a size with 0 % finer",
     "set_first_crush_stress": "set it on the Material, or give stress_ratio",
+    "set_stress_measure": 'name it on the Material, stress_measure="mean" for example',
     "use_same_grid": "make the solver with fabric.grid",
     "use_blend_kernel": 'use kind "blend", or leave loading_rate at 0',
     "choose_path": "use path 'automatic' or 'transforms'",
@@ -46,6 +47,7 @@ PYTHON: dict[str, str] = {
     "use_one_unit": "bring them to one unit",
     "keep_fabric": "add its index to keep_fabrics of run",
     "count_from_smallest": "pass smallest=, the size from which to count",
+    "turn_sign": "compression is positive here: turn the sign",
 }
 
 _remedy_words.update(PYTHON)  # the core words its errors for Python code from this table
