@@ -9,6 +9,7 @@ from comminute.util.errors import parameter_error
 Kind = Literal["slow", "exact", "fast", "blend"]
 Mean = Literal["arithmetic", "geometric"]
 Scheme = Literal["conservative", "paper"]
+StressName = Literal["largest", "vertical", "mean", "octahedral", "energy"]
 EngineName = Literal["auto", "quasi-static", "slow-update", "full-convolution"]
 
 
