@@ -13,13 +13,12 @@ import numpy as np
 from pydantic import ValidationError
 
 from comminute._core import Grading, LogGrid, Material, ParameterError, ShapeError, fitting_grid
-from comminute.cases.load_files import read_loads
+from comminute.cases.load_tables import numbers_of, path_of, with_numbers
 from comminute.cases.messages import WORDS, explained, table_place
-from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, MaterialTable, Sieves
+from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, MaterialTable, Sieves
 from comminute.gradings.options import Reading
 from comminute.gradings.reading import SieveData, read_sieves
 from comminute.gradings.sieves import IN_MM, convert, unit_of
-from comminute.runs.load_path import load_path
 from comminute.runs.recipe import law_of
 from comminute.simulation import Simulation
 from comminute.util.errors import parameter_error, reworded, wrong_file
@@ -27,6 +26,8 @@ from comminute.util.names import is_file, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from comminute.runs.load_path import LoadPath
 
 Made = TypeVar("Made")
 SWEPT = ("units", "material", "grading", "grid", "engine")
@@ -52,9 +53,12 @@ class ReadyCase:
         return Simulation(self.material, self.grading, grid=self.grid, mean=engine.mean, scheme=engine.scheme)
 
     def loads(self) -> dict[str, list[float]]:
-        """Give the load path as `Simulation.run` takes it."""
-        load = self.resolved.load
-        return {"stress": load.stress} if load.stress is not None else {"stress_ratio": load.stress_ratio}  # type: ignore[dict-item]
+        """Give the numbers of the loads by key, as `Simulation.run` takes them."""
+        return numbers_of(self.resolved.load)
+
+    def path(self) -> LoadPath:
+        """Give the load path."""
+        return path_of(self.material, self.resolved.load)
 
     def at(self, target: Path) -> ReadyCase:
         """Give the same case another result file."""
@@ -174,13 +178,8 @@ def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> Read
     name = path.name
     material = _in_table(name, "material", lambda: _material(case))
     case, grading = _grading(case, path)
-    case = _loads(case, path)
-    load = case.load
-    ratios = _in_table(
-        name,
-        "load",
-        lambda: load_path(material, load.stress_ratio, load.stress, load.loading_rate, load.remix_after),  # type: ignore[arg-type]
-    ).stress_ratio
+    case = with_numbers(case, path)
+    ratios = _in_table(name, "load", lambda: path_of(material, case.load)).stress_ratio
     _require_reference_size(case, name)
     largest_load, given = float(ratios.max()), case.grid.model_dump()
     grid = _in_table(name, "grid", lambda: fitting_grid(grading, material, largest_load, **given))
@@ -255,36 +254,3 @@ def _grading(case: Case, path: Path) -> tuple[Case, Grading]:
             raise reworded(error, words=WORDS) from None
     fields = table.model_dump(exclude={"kind"}, exclude_none=True)
     return case, _in_table(path.name, "grading", lambda: MAKERS[table.kind](**fields)).with_unit(unit)
-
-
-def _loads(case: Case, path: Path) -> Case:
-    """Case with its load path written out as numbers."""
-    load = case.load
-    given = [key for key in ("stress", "stress_ratio", "file") if getattr(load, key) is not None]
-    if len(given) != 1:
-        subject = " and ".join(given) if given else "no load"
-        finding = "are both given" if len(given) == 2 else "are all given" if given else "is given"
-        rule = "give one of stress, stress_ratio, file"
-        raise parameter_error("load", subject=subject, finding=finding, rule=rule, place=table_place(path.name, "load"))
-    key = given[0]
-    values = getattr(load, key)
-    if key == "file":
-        key, values = read_loads(path.parent / str(load.file), case.units.stress)
-    elif isinstance(values, LoadRange):
-        values = _in_range(values, table_place(path.name, "load", key))
-    elif isinstance(values, float | int):
-        values = [float(values)]
-    update = {"stress": None, "stress_ratio": None, "file": None} | {key: [float(value) for value in values]}
-    return case.model_copy(update={"load": load.model_copy(update=update)})
-
-
-def _in_range(loads: LoadRange, place: str) -> list[float]:
-    """List the loads from one to another; `place` is the table that gives them."""
-    bad = next((x for x in (loads.first, loads.last) if not np.isfinite(x) or x < 0.0), None)
-    if bad is not None:
-        raise parameter_error("from or to", float(bad), "it must be a finite number of at least 0", place=place)
-    if loads.spacing == "log":
-        if not (loads.first > 0.0 and loads.last > 0.0):
-            raise parameter_error("from or to", 0, 'spacing "log" needs both greater than 0', place=place)
-        return list(np.geomspace(loads.first, loads.last, loads.steps).tolist())
-    return list(np.linspace(loads.first, loads.last, loads.steps).tolist())

@@ -17,7 +17,7 @@ from comminute.files.storage import require_netcdf, save_netcdf
 from comminute.opening import open_result
 from comminute.result import Interrupted, Result, run_again
 from comminute.runs.continuum import Setup, continuum_run, recipe_of, setup_of
-from comminute.runs.load_path import load_path, wanted_fabrics
+from comminute.runs.load_path import wanted_fabrics
 from comminute.runs.outcomes import Outcome
 from comminute.runs.path_run import PathRun
 from comminute.runs.recipe import Recipe
@@ -142,9 +142,8 @@ def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Outcome, Resul
 
     It keeps the fabrics that the case asks for, and while it runs the last one, to go on from.
     """
-    load, engine = case.resolved.load, case.resolved.engine
-    ratio, stress = load.stress_ratio, load.stress
-    path = load_path(case.material, ratio, stress, load.loading_rate, load.remix_after)  # type: ignore[arg-type]
+    engine = case.resolved.engine
+    path = case.path()
     recipe = Recipe.of(
         path,
         engine=engine.name,
@@ -165,7 +164,7 @@ def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Outcome, Resul
 
 def _wanted(case: ReadyCase, bins: int) -> frozenset[int]:
     """Find the loads whose fabric a case asks for."""
-    return wanted_fabrics(case.resolved.output.fabrics, len(next(iter(case.loads().values()))), bins)
+    return wanted_fabrics(case.resolved.output.fabrics, case.path().stress_ratio.size, bins)
 
 
 def run_file_again(file: Path, target: Path) -> tuple[Result, bool]:

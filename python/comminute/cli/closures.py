@@ -31,11 +31,10 @@ def compared(cases: list[ReadyCase], *, cells: int, threads: int) -> ClosureComp
         raise parameter_error("kind", f"'{engine.kind}'", f"{quasi_static} 'slow', or left out")
     if engine.steps_per_load != "rest":
         raise parameter_error("steps_per_load", engine.steps_per_load, f"{quasi_static} 'rest'")
-    kind, values = next(iter(ready.loads().items()))
     return compare_closures(
         ready.material,
         ready.grading,
-        **{kind: values},  # type: ignore[arg-type]
+        stress_ratio=ready.path().stress_ratio,
         remix_after=load.remix_after,
         mean=engine.mean,
         grid=ready.grid,
