@@ -6,6 +6,7 @@
 // Classes of a room that have a file of their own; the room's function registers them.
 void register_grid(py::module_& m);              // model
 void register_fragment_laws(py::module_& m);     // model
+void register_stress(py::module_& m);            // model
 void register_exact_masses(py::module_& m);      // fabric
 void register_grading(py::module_& m);           // gradings
 void register_ideal_gradings(py::module_& m);    // gradings

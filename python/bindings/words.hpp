@@ -50,6 +50,17 @@ struct Words<comminute::Scheme> {
 };
 
 template <>
+struct Words<comminute::StressKind> {
+    static constexpr const char* parameter = "stress_measure";
+    static constexpr std::array<std::pair<const char*, comminute::StressKind>, 5> list{
+        {{"largest", comminute::StressKind::largest},
+         {"vertical", comminute::StressKind::largest},
+         {"mean", comminute::StressKind::mean},
+         {"octahedral", comminute::StressKind::octahedral},
+         {"energy", comminute::StressKind::energy}}};
+};
+
+template <>
 struct Words<comminute::SolvePath> {
     static constexpr const char* parameter = "path";
     static constexpr std::array<std::pair<const char*, comminute::SolvePath>, 5> list{

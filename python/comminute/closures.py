@@ -14,7 +14,7 @@ from comminute.gradings.curves import SizeCurve
 from comminute.lattice.comparison import Comparison
 from comminute.lattice.statistics import mean_and_error
 from comminute.lattices import Lattice
-from comminute.runs.load_path import load_path
+from comminute.runs.load_path import Stress, load_path
 from comminute.runs.remarks import load_text
 from comminute.simulation import Simulation
 from comminute.util.choices import Mean, Scheme
@@ -145,7 +145,7 @@ def compare_closures(
     start: Grading,
     *,
     stress_ratio: float | Iterable[float] | None = None,
-    stress: float | Iterable[float] | None = None,
+    stress: Stress | None = None,
     remix_after: Iterable[int] = (),
     mean: Mean = "arithmetic",
     grid: LogGrid | None = None,
@@ -162,8 +162,8 @@ def compare_closures(
     material : Material
         With a finite fabric width.
     start : Grading
-    stress_ratio, stress : float or iterable of float
-        Loads, one of the two.
+    stress_ratio, stress
+        Loads, one of the two; see `Simulation.run`.
     remix_after : iterable of int
         Indices of the loads after which the packing is mixed anew.
     mean : {"arithmetic", "geometric"}

@@ -14,8 +14,9 @@ from comminute._core import TimeSteppedLattice as CoreTimeSteppedLattice
 from comminute.lattice.rings import Rings
 from comminute.lattice.walk import lattice_run
 from comminute.result import LatticeResult, finished
-from comminute.runs.load_path import Keep, load_path, wanted_fabrics
+from comminute.runs.load_path import AxialStress, Keep, Stress, load_path, wanted_fabrics
 from comminute.util.choices import Mean
+from comminute.util.keywords import suggests_keywords
 
 Floats = npt.NDArray[np.float64]
 
@@ -47,15 +48,17 @@ class LoadedRings(Rings):
 
     _unit: str
 
+    @suggests_keywords
     def run(
         self,
         stress_ratio: float | Iterable[float] | None = None,
         *,
-        stress: float | Iterable[float] | None = None,
+        stress: Stress | None = None,
         remix_after: Iterable[int] = (),
         grid: LogGrid | None = None,
         keep_fabrics: Keep = "auto",
         on_load: Callable[[int], object] | None = None,
+        **axial: Unpack[AxialStress],
     ) -> LatticeResult:
         """Take the lattice through a load path, on from the state in which it is.
 
@@ -63,8 +66,8 @@ class LoadedRings(Rings):
         ----------
         stress_ratio : float or sequence
             Loads, each >= 0, in any order: unloading changes nothing.
-        stress : float or sequence
-            Loads in the unit of the material's first_crush_stress. Give one of the two.
+        stress, p, q, vertical, k0
+            Loads as stresses; see `Simulation.run`.
         remix_after : sequence of int
             Indices of the loads after which the rings are shuffled.
         grid : LogGrid, optional
@@ -87,7 +90,7 @@ class LoadedRings(Rings):
         Interrupted
             On Ctrl-C; its `result` has the finished loads, and the lattice can go on.
         """
-        path = load_path(self.material, stress_ratio, stress, 0.0, remix_after)
+        path = load_path(self.material, stress_ratio, stress, 0.0, remix_after, **axial)
         grid = grid or self._core.fitting_grid(float(path.stress_ratio.max()))
         wanted = wanted_fabrics(keep_fabrics, path.stress_ratio.size, grid.bins)
         return finished(lattice_run(LatticeResult, self, path, grid, wanted=wanted, unit=self._unit), on_load)

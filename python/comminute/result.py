@@ -6,17 +6,18 @@ import os
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Self, TypeVar, Unpack
 
 from comminute._core import Fabric, ResolvedGrid
 from comminute.files.arrays import save_npz
 from comminute.files.storage import save_netcdf, to_dataset
 from comminute.runs.continuing import again, fabric_after, resumed
-from comminute.runs.load_path import Keep, load_path, wanted_fabrics
+from comminute.runs.load_path import AxialStress, Keep, Stress, load_path, wanted_fabrics
 from comminute.runs.outcomes import Outcome
 from comminute.runs.path_run import PathRun
 from comminute.runs.results import LatticeData, ResolvedData, ResultData
 from comminute.util.errors import parameter_error
+from comminute.util.keywords import suggests_keywords
 from comminute.util.optional import needs
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class Result(ResultData):
     stress_ratio : ndarray (T,)
         Loads.
     stress : ndarray (T,) or None
-        Loads as stresses, where first_crush_stress is known.
+        Loads as stresses that are quoted as first_crush_stress is, where that is known.
     pmf : ndarray (T, N)
         Mass by bin after each load; exact sizes are in their bins.
     crushes : ndarray (T,)
@@ -127,21 +128,23 @@ class Result(ResultData):
             raise parameter_error("path", f"'{target}'", "it must end in .nc or .npz")
         return WRITERS[target.suffix](self, target)
 
+    @suggests_keywords
     def resume(
         self,
         stress_ratio: float | Iterable[float] | None = None,
         *,
-        stress: float | Iterable[float] | None = None,
+        stress: Stress | None = None,
         loading_rate: float | Iterable[float] = 0.0,
         remix_after: Iterable[int] = (),
         keep_fabrics: Keep = "auto",
         on_load: Callable[[int], object] | None = None,
+        **axial: Unpack[AxialStress],
     ) -> Self:
         """Go on from the last load, on the same grid and with the same engine and scheme.
 
         Parameters
         ----------
-        stress_ratio, stress, loading_rate, keep_fabrics, on_load
+        stress_ratio, stress, p, q, vertical, k0, loading_rate, keep_fabrics, on_load
             Loads to come; see `Simulation.run`.
         remix_after : sequence of int
             Indices of the loads to come, from 0.
@@ -166,7 +169,7 @@ class Result(ResultData):
         >>> sim.run(stress_ratio=[1, 2]).resume(stress_ratio=[8]) == sim.run(stress_ratio=[1, 2, 8])
         True
         """
-        later = load_path(self.material, stress_ratio, stress, loading_rate, remix_after)
+        later = load_path(self.material, stress_ratio, stress, loading_rate, remix_after, **axial)
         wanted = wanted_fabrics(keep_fabrics, later.stress_ratio.size, self.grid.bins)
         return finished(resumed(self, later, wanted), on_load)
 

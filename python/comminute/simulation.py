@@ -6,17 +6,17 @@ import math
 import os
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from typing import Literal
+from typing import Literal, Unpack
 
 from comminute._core import Fabric, Grading, LogGrid, Material, ParameterError, ResolvedGrid, fitting_grid, mixed_fabric
 from comminute.result import ResolvedResult, Result, finished
 from comminute.runs.continuum import Setup, continuum_run
-from comminute.runs.load_path import Keep, LoadPath, load_path, wanted_fabrics
+from comminute.runs.load_path import AxialStress, Keep, LoadPath, Stress, load_path, wanted_fabrics
 from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning
 from comminute.runs.resolved_run import ResolvedSetup, nodes, require_quasi_static, resolved_run, start_fabric
 from comminute.util.choices import Closure, EngineName, Kind, Mean, Scheme, require_word
-from comminute.util.errors import parameter_error
+from comminute.util.errors import parameter_error, scattered
 from comminute.util.keywords import suggests_keywords
 
 
@@ -87,7 +87,7 @@ class Simulation:
         require_word("scheme", scheme, Scheme)
         require_word("mean", mean, Mean)
         require_word("closure", closure, Closure)
-        _require_options(closure, start, grid, scheme, sizes)
+        _require_options(material, closure, start, grid, scheme, sizes)
         if isinstance(start, Fabric) and grid is not None and grid != start.grid:
             raise ParameterError(f"grid is {grid} but the fabric has {start.grid}; leave grid out")
         self.material = material
@@ -146,7 +146,7 @@ class Simulation:
         self,
         stress_ratio: float | Iterable[float] | None = None,
         *,
-        stress: float | Iterable[float] | None = None,
+        stress: Stress | None = None,
         loading_rate: float | Iterable[float] = 0.0,
         remix_after: Iterable[int] = (),
         engine: EngineName = "auto",
@@ -154,6 +154,7 @@ class Simulation:
         steps_per_load: int | Literal["rest"] = "rest",
         keep_fabrics: Keep = "auto",
         on_load: Callable[[int], object] | None = None,
+        **axial: Unpack[AxialStress],
     ) -> Result:
         """Take the start through a load path.
 
@@ -161,8 +162,15 @@ class Simulation:
         ----------
         stress_ratio : float or sequence
             Loads, each >= 0, in any order: unloading and 0 are allowed.
-        stress : float or sequence
-            Loads in the unit of the material's first_crush_stress. Give one of the two.
+        stress : float or sequence, or ndarray (T, 3, 3) or (T, 6)
+            Loads that are quoted as the material's first_crush_stress is; or effective stress tensors, positive in
+            compression, rows in the order xx yy zz yz xz xy. `Result.stress` is quoted as first_crush_stress is,
+            whichever way the loads are given; they are given in one way.
+        p, q : float or sequence, optional
+            Loads as mean stress, and axial less radial stress, of axisymmetric tests.
+        vertical, k0 : float or sequence, optional
+            Loads as vertical stress without lateral strain, and the ratio of the horizontal stress to it; left out,
+            the material's own. Tensors and these pairs need the material's stress_measure.
         loading_rate : float or sequence
             Share of the fast kernel (Eq. 67), in [0, 1], one for all or one per load.
         remix_after : sequence of int
@@ -191,7 +199,7 @@ class Simulation:
         ------
         ParameterError
             For a load, rate, index or word outside its range, or a setting that the closure does not take; the message
-            names it.
+            names it. For stresses that are tensile throughout, the mark of the other sign; one among others is no load.
         Interrupted
             On Ctrl-C; its `result` has the finished loads.
 
@@ -200,8 +208,20 @@ class Simulation:
         ResolutionWarning
             If more than 1 % of the mass ends in the fines bin, if curves are off by more than 1e-3 because neighbours
             there are judged wrongly, or if the bins are too wide for the start or the fragments.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import comminute as cm
+        >>> sand = cm.Material(first_crush_stress=10.0, stress_measure="mean")
+        >>> sim = cm.Simulation(sand, cm.monodisperse(1.0))
+        >>> by_tensors = sim.run(stress=np.stack([np.diag([5.0, 5.0, 20.0]), np.diag([30.0, 30.0, 30.0])]))
+        >>> by_tensors.stress
+        array([10., 30.])
+        >>> by_tensors == sim.run(p=[10.0, 30.0], q=[15.0, 0.0])
+        True
         """
-        path = load_path(self.material, stress_ratio, stress, loading_rate, remix_after)
+        path = load_path(self.material, stress_ratio, stress, loading_rate, remix_after, **axial)
         require_word("engine", engine, EngineName)
         counted = isinstance(steps_per_load, int) and not isinstance(steps_per_load, bool) and steps_per_load >= 1
         if steps_per_load != "rest" and not counted:
@@ -245,10 +265,17 @@ class Simulation:
 
 
 def _require_options(
-    closure: Closure, start: Grading | Fabric, grid: LogGrid | None, scheme: Scheme, sizes: Sequence[float]
+    material: Material,
+    closure: Closure,
+    start: Grading | Fabric,
+    grid: LogGrid | None,
+    scheme: Scheme,
+    sizes: Sequence[float],
 ) -> None:
     """Raise ParameterError for an option of one closure that is given to the other, or a size that is none."""
     if closure == "paper":
+        if material.strength_scatter:
+            raise scattered("the paper's closure")
         if len(sizes):
             rule = "the paper's closure has even bins: give a grid, or closure = 'resolved'"
             raise parameter_error("sizes", _listed(sizes), rule)

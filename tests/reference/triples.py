@@ -26,6 +26,7 @@ class Nodes:
     modulus: float  # w
     cdf: Callable[[Floats], Floats]  # of R = ln X
     geometric: bool = False
+    scattered: bool = False  # strengths
 
     @property
     def centre(self) -> Floats:
@@ -82,6 +83,36 @@ class Nodes:
         return share
 
 
+    def exposed(self, level: float) -> tuple[Floats, Floats]:
+        """(N, N, N) share of each triple that a load crushes, and hazard that the rest has endured on average.
+
+        Where strengths scatter, by the mean over 4000 contrasts of each triple.
+        """
+        if not self.scattered:
+            active = self.active(level)
+            return active, np.zeros_like(active)
+        psi, extent, exact = self.centre, self.upper - self.lower, self.lower == self.upper
+        mean, spread = self.neighbourhood()
+        log_hazard = (0.5 * self.modulus / self.width**2 * (level + self.k * psi))[:, None, None]
+        edge = np.sqrt((extent**2)[:, None, None] + spread + (0.01 * self.width) ** 2)
+        edge[exact[:, None, None] & exact[None, :, None] & exact] = 0.0
+        share, borne = np.zeros(edge.shape), np.zeros(edge.shape)
+        for place in (np.arange(4000) + 0.5) / 4000 - 0.5:
+            contrast = (psi[:, None, None] - mean + place * edge) * math.sqrt(self.modulus) / self.width
+            hazard = np.exp(log_hazard - 0.5 * contrast**2)
+            share -= np.expm1(-hazard) / 4000
+            borne += hazard * np.exp(-hazard) / 4000
+        rest = np.maximum(1.0 - share, 1e-300)
+        share[0], borne[0] = 0.0, 0.0  # the fines bin
+        return share, np.minimum(borne / rest, hazard_of(share))
+
+
+def hazard_of(share: Floats) -> Floats:
+    """Hazard that a share of cells has not endured, no more than e^-37 can tell."""
+    hazard: Floats = -np.log(np.maximum(1.0 - share, math.exp(-37.0)))
+    return hazard
+
+
 @dataclass
 class State:
     """Settled and pending mass, and the share that is active under the load."""
@@ -89,17 +120,21 @@ class State:
     settled: Floats
     pending: Floats
     active: Floats
+    own: Floats  # hazard that cells have endured which were always in their triple
+    endured: Floats  # hazard that settled mass has endured, times it
+    scattered: bool
     crushes: float = 0.0
 
     @classmethod
-    def mixed(cls, pmf: Floats) -> State:
+    def mixed(cls, pmf: Floats, scattered: bool = False) -> State:
         """Mix the nodes at random."""
         mass = np.einsum("b,a,c->bac", pmf, pmf, pmf)
-        return cls(mass, np.zeros_like(mass), np.zeros_like(mass))
+        return cls(mass, *(np.zeros_like(mass) for _ in range(4)), scattered)
 
     def copy(self) -> State:
         """Copy all arrays."""
-        return State(self.settled.copy(), self.pending.copy(), self.active.copy(), self.crushes)
+        arrays = (self.settled, self.pending, self.active, self.own, self.endured)
+        return State(*(array.copy() for array in arrays), self.scattered, self.crushes)
 
     def pmf(self) -> Floats:
         """(N,) mass by node."""
@@ -113,15 +148,25 @@ class State:
 
     def overrun(self, active: Floats) -> Floats:
         """(N, N, N) settled mass that a rise of the shares overruns."""
+        if self.scattered:
+            already = np.maximum(hazard_of(self.active), self._mean(self.endured, self.settled))
+            return self.settled * -np.expm1(-np.maximum(hazard_of(active) - already, 0.0))
         rest = np.where(self.active < 1.0, 1.0 - self.active, 1.0)
         return self.settled * np.maximum(active - self.active, 0.0) / rest
 
-    def step(self, active: Floats, fragments: Floats) -> None:
-        """Raise the load to where the shares are `active`."""
+    @staticmethod
+    def _mean(moment: Floats, mass: Floats) -> Floats:
+        return np.divide(moment, mass, out=np.zeros_like(mass), where=mass > 0.0)
+
+    def step(self, exposed: tuple[Floats, Floats], fragments: Floats) -> None:
+        """Raise the load to where shares and hazards are `exposed`."""
+        active, own = exposed
         taken = self.overrun(active)
+        endured = self._mean(self.endured, self.settled)
         self.settled -= taken
         self.pending += taken
-        self.active = active
+        self.active, self.own = active, own
+        self.endured = self.settled * np.maximum(endured, own)
         pairs, waiting = self.pairs(), self.pending.sum(axis=2).T
         wanted = np.maximum(2.0 * waiting + waiting.T, 2.0 * waiting.T + waiting)
         limit = np.where(wanted > pairs, pairs / np.where(wanted > 0.0, wanted, 1.0), 1.0)
@@ -145,8 +190,14 @@ class State:
         arriving = np.einsum("azb,abi->azi", around, moved)
         arriving += arriving.transpose(0, 2, 1)
         stays = 1.0 - share[:, :, None] - share[:, None, :]
-        self.settled = self.settled * stays + (1.0 - active) * arriving + landed
-        self.pending = self.pending * stays + active * arriving
+        settling = (1.0 - active) * arriving
+        if self.scattered:
+            borne = np.einsum("azb,abi->azi", self.endured, moved)
+            before = self._mean(borne + borne.transpose(0, 2, 1), arriving)
+            settling = arriving * np.exp(-np.maximum(hazard_of(active) - before, 0.0))
+            self.endured = self.endured * stays + settling * np.maximum(before, own) + landed * own
+        self.settled = self.settled * stays + settling + landed
+        self.pending = self.pending * stays + arriving - settling
 
 
 @dataclass
@@ -161,22 +212,23 @@ class Clock:
 
     def __post_init__(self) -> None:
         self.fragments = self.nodes.fragments()
-        self.coarse, self.fine = State.mixed(self.pmf_at_start), State.mixed(self.pmf_at_start)
+        self.coarse, self.fine = (State.mixed(self.pmf_at_start, self.nodes.scattered) for _ in range(2))
         top = self.nodes.upper[-1]
-        self.at = self._log_load(-self.nodes.k * top - 0.004 * self.nodes.width**2)
+        early = 32.0 * self.nodes.width**2 / self.nodes.modulus if self.nodes.scattered else 0.0
+        self.at = self._log_load(-self.nodes.k * top - 0.004 * self.nodes.width**2 - early)
         self.hint = 0.01
 
     def _log_load(self, level: float) -> float:
         return level / (2.0 * self.nodes.width**2)
 
-    def _active(self, log_load: float) -> Floats:
-        return self.nodes.active(2.0 * self.nodes.width**2 * log_load)
+    def _exposed(self, log_load: float) -> tuple[Floats, Floats]:
+        return self.nodes.exposed(2.0 * self.nodes.width**2 * log_load)
 
     def _next(self) -> tuple[float, float]:
         step = min(self.hint, self.max_step)
         pairs = self.coarse.pairs()
         while True:
-            shell = self.coarse.overrun(self._active(self.at + step)).sum(axis=2).T
+            shell = self.coarse.overrun(self._exposed(self.at + step)[0]).sum(axis=2).T
             clash = np.divide(shell**2, pairs, out=np.zeros_like(shell), where=pairs > 0.0).sum()
             hardness = max(shell.sum(), math.sqrt(clash)) / self.tolerance
             if hardness <= 1.0 or step < 1e-7:
@@ -185,9 +237,9 @@ class Clock:
         return self.at + step, step * (min(max(0.9 / hardness, 1.0), 4.0) if hardness > 0.0 else 4.0)
 
     def _advance(self, coarse: State, fine: State, log_load: float) -> None:
-        coarse.step(self._active(log_load), self.fragments)
-        fine.step(self._active(0.5 * (self.at + log_load)), self.fragments)
-        fine.step(self._active(log_load), self.fragments)
+        coarse.step(self._exposed(log_load), self.fragments)
+        fine.step(self._exposed(0.5 * (self.at + log_load)), self.fragments)
+        fine.step(self._exposed(log_load), self.fragments)
 
     def load_to(self, stress_ratio: float) -> tuple[Floats, float]:
         """Give the grading and the crushes a cell under a load that is no lower than the last."""

@@ -21,5 +21,6 @@
 #include "comminute/scheme.hpp"
 #include "comminute/settle.hpp"
 #include "comminute/slow_update.hpp"
+#include "comminute/stress.hpp"
 #include "comminute/version.hpp"
 #include "comminute/view.hpp"

@@ -28,6 +28,7 @@ enum class Remedy {
     add_coarser_sieve,        ///< a sieve that all grains pass
     add_finer_sieve,          ///< a size with 0 % finer
     set_first_crush_stress,   ///< the material's own stress, or loads as stress ratios
+    set_stress_measure,       ///< the measure by which stress tensors compare
     use_same_grid,            ///< the solver made with the grid of the fabric
     use_blend_kernel,         ///< the kernel to which a loading rate belongs, or no rate
     choose_path,              ///< another of the named paths

@@ -5,6 +5,7 @@
 
 #include "comminute/export.hpp"
 #include "comminute/fragments.hpp"
+#include "comminute/stress.hpp"
 
 namespace comminute {
 
@@ -25,6 +26,11 @@ struct COMMINUTE_API Material {
     FragmentLaw fragments = WeibullFragments{};
     /// Stress at which a grain of reference_size among equals crushes; needed only to speak in stresses.
     std::optional<double> first_crush_stress = std::nullopt;
+    /// Measure by which stresses that are not single numbers compare with first_crush_stress.
+    std::optional<StressMeasure> stress_measure = std::nullopt;
+    /// K0 >= 0, ratio of the horizontal to the vertical stress of the oedometer in which first_crush_stress was found as a
+    /// vertical stress; without one it was found as a value of the measure.
+    std::optional<double> k0 = std::nullopt;
     /// Whether each grain and each fragment has a strength of its own, drawn from the Weibull law of modulus w and scale 1
     /// as a factor of its critical load. For `Lattice` and `Resolved`.
     bool strength_scatter = false;
@@ -38,14 +44,19 @@ struct COMMINUTE_API Material {
     /// k = 6 n^2 / w of the log-space stress function (Eq. 15); inf where the fabric is off.
     double k() const { return 6.0 * fabric_width * fabric_width / weibull_modulus; }
 
-    /// Dimensionless load of a stress in the unit of first_crush_stress.
+    /// Dimensionless load of a stress that is quoted as first_crush_stress is.
     /// @throws ParameterError if first_crush_stress is not set, or for a negative or NaN stress
     double stress_ratio(double stress) const;
+
+    /// Makes what turns stress tensors into stress ratios.
+    /// @throws ParameterError if first_crush_stress or stress_measure is not set
+    StressScale stress_scale() const;
 
     friend bool operator==(const Material& a, const Material& b) {
         return a.weibull_modulus == b.weibull_modulus && a.fabric_width == b.fabric_width &&
                a.reference_size == b.reference_size && a.fragments == b.fragments &&
-               a.first_crush_stress == b.first_crush_stress && a.strength_scatter == b.strength_scatter;
+               a.first_crush_stress == b.first_crush_stress && a.stress_measure == b.stress_measure &&
+               a.k0 == b.k0 && a.strength_scatter == b.strength_scatter;
     }
 };
 

@@ -15,7 +15,7 @@ struct RemedyWords {
     const char* words;
 };
 
-constexpr std::array<RemedyWords, 21> remedy_words{{
+constexpr std::array<RemedyWords, 22> remedy_words{{
     {Remedy::normalise, "normalise", "divide it by its sum"},
     {Remedy::raise_psi_max, "raise_psi_max", "raise psi_max"},
     {Remedy::size_grid_automatically, "size_grid_automatically",
@@ -32,6 +32,8 @@ constexpr std::array<RemedyWords, 21> remedy_words{{
     {Remedy::add_finer_sieve, "add_finer_sieve", "add a size with 0 % finer"},
     {Remedy::set_first_crush_stress, "set_first_crush_stress",
      "set it on the Material, or give stress_ratio"},
+    {Remedy::set_stress_measure, "set_stress_measure",
+     "set Material::stress_measure, the measure in which first_crush_stress is known"},
     {Remedy::use_same_grid, "use_same_grid", "make the solver with fabric.grid()"},
     {Remedy::use_blend_kernel, "use_blend_kernel", "use KernelKind::blend, or leave loading_rate at 0"},
     {Remedy::choose_path, "choose_path", "use the path automatic, or transforms"},

@@ -19,7 +19,16 @@ inline std::array<std::uint64_t, 2> philox(std::uint64_t key, std::uint64_t low,
 }
 
 /// Use of a random number; part of the counter, so that no two uses share a draw.
-enum class Purpose : std::uint64_t { stream, start, fragment, tie, shuffle, decision, first_strength, strength };
+enum class Purpose : std::uint64_t {
+    stream,
+    start,
+    fragment,
+    tie,
+    shuffle,
+    decision,
+    first_strength,
+    strength
+};
 
 /// Random bits for place `where` (a cell) at instant `when` of one stream.
 inline std::uint64_t random_bits(std::uint64_t stream, Purpose purpose, std::uint64_t where,

@@ -7,6 +7,18 @@
 
 namespace comminute {
 
+namespace {
+
+ParameterError no_first_crush_stress(const std::string& value, std::optional<double> number) {
+    return ParameterError({.parameter = "stress",
+                           .value = value,
+                           .number = number,
+                           .rule = "it needs first_crush_stress, which is not set",
+                           .remedy = Remedy::set_first_crush_stress});
+}
+
+}  // namespace
+
 void Material::validate() const {
     require(weibull_modulus > 0.0 && std::isfinite(weibull_modulus), "weibull_modulus", weibull_modulus,
             "greater than 0 and finite");
@@ -16,6 +28,18 @@ void Material::validate() const {
     if (first_crush_stress) {
         require(*first_crush_stress > 0.0 && std::isfinite(*first_crush_stress), "first_crush_stress",
                 *first_crush_stress, "greater than 0 and finite");
+    }
+    if (k0) {
+        require(*k0 >= 0.0 && std::isfinite(*k0), "k0", *k0, "at least 0 and finite");
+        if (!stress_measure) {
+            throw ParameterError({.parameter = "k0",
+                                  .value = text(*k0),
+                                  .number = *k0,
+                                  .rule = "it belongs to a stress measure, which is not set",
+                                  .remedy = Remedy::set_stress_measure});
+        }
+        require(stress_measure->equivalent_vertical(1.0, *k0) > 0.0, "k0", *k0,
+                "other than 1 with the octahedral measure, which is 0 there");
     }
     std::visit([](const auto& law) { law.validate(); }, fragments);
 }
@@ -30,15 +54,22 @@ void Material::validate_sharp() const {
 }
 
 double Material::stress_ratio(double stress) const {
-    if (!first_crush_stress) {
-        throw ParameterError({.parameter = "stress",
-                              .value = text(stress),
-                              .number = stress,
-                              .rule = "it needs first_crush_stress, which is not set",
-                              .remedy = Remedy::set_first_crush_stress});
-    }
+    if (!first_crush_stress) throw no_first_crush_stress(text(stress), stress);
     require(stress >= 0.0, "stress", stress, "a number of at least 0");
     return stress / *first_crush_stress;
+}
+
+StressScale Material::stress_scale() const {
+    validate();
+    if (!stress_measure) {
+        throw ParameterError({.parameter = "stress_measure",
+                              .value = "missing",
+                              .rule = "stresses that are not single numbers need it",
+                              .remedy = Remedy::set_stress_measure});
+    }
+    if (!first_crush_stress) throw no_first_crush_stress("a tensor", std::nullopt);
+    return {*stress_measure,
+            k0 ? stress_measure->equivalent_vertical(*first_crush_stress, *k0) : *first_crush_stress};
 }
 
 void require_stress_ratio(double stress_ratio) {

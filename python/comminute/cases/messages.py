@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from typing import TYPE_CHECKING, Any, get_args
 
-from comminute.cases.schema import FRAGMENTS, GRADINGS, Case, LoadRange
+from comminute.cases.schema import FRAGMENTS, GRADINGS, LOADS, Case, LoadRange
 from comminute.util.errors import PYTHON, parameter_error
 from comminute.util.names import shorten
 
@@ -24,6 +24,7 @@ WORDS: dict[str, str] = PYTHON | {
     "extend_top": 'add the size that all grains pass, or write top = "extend" in [grading] to carry the last slope on '
     "to 100 %",
     "set_first_crush_stress": "set it in [material], or give stress_ratio",
+    "set_stress_measure": 'name it in [material], stress_measure = "mean" for example',
     "use_same_grid": "leave out [grid]",
     "use_blend_kernel": 'write kind = "blend" in [engine], or leave out loading_rate',
     "choose_path": "leave the choice to the engine",
@@ -90,7 +91,7 @@ def _known(tables: list[str], raw: dict[str, Any]) -> list[str]:
     """Keys that a table of a case may have."""
     if not tables:
         return list(Case.model_fields)
-    if tables in (["load", "stress"], ["load", "stress_ratio"]):
+    if len(tables) == 2 and tables[0] == "load" and tables[1] in LOADS:
         models: tuple[type[BaseModel], ...] = (LoadRange,)
     elif tables == ["material", "fragments"]:
         models = FRAGMENTS

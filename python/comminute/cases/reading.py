@@ -13,13 +13,12 @@ import numpy as np
 from pydantic import ValidationError
 
 from comminute._core import Grading, LogGrid, Material, ParameterError, ResolvedGrid, ShapeError, fitting_grid
-from comminute.cases.load_files import read_loads
+from comminute.cases.load_tables import numbers_of, path_of, with_numbers
 from comminute.cases.messages import WORDS, explained, table_place
-from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, LoadRange, MaterialTable, Sieves
+from comminute.cases.schema import MAKERS, Case, GradingFile, GridTable, MaterialTable, Sieves
 from comminute.gradings.options import Reading
 from comminute.gradings.reading import SieveData, read_sieves
 from comminute.gradings.sieves import IN_MM, convert, unit_of
-from comminute.runs.load_path import LoadPath, load_path
 from comminute.runs.recipe import Recipe, law_of
 from comminute.runs.resolved_run import require_quasi_static
 from comminute.simulation import Simulation
@@ -28,6 +27,8 @@ from comminute.util.names import is_file, shorten
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from comminute.runs.load_path import LoadPath
 
 Made = TypeVar("Made")
 SWEPT = ("units", "material", "grading", "grid", "engine")
@@ -56,10 +57,6 @@ class ReadyCase:
         """Bins of the paper's closure; None for a case that is run by the resolved one."""
         return self.grid if isinstance(self.grid, LogGrid) else None
 
-    def path(self) -> LoadPath:
-        """Give the checked load path."""
-        return _path(self.material, self.resolved)
-
     def recipe(self) -> Recipe:
         """Give the settings of the run."""
         engine = self.resolved.engine
@@ -73,9 +70,12 @@ class ReadyCase:
         )
 
     def loads(self) -> dict[str, list[float]]:
-        """Give the load path as `Simulation.run` takes it."""
-        load = self.resolved.load
-        return {"stress": load.stress} if load.stress is not None else {"stress_ratio": load.stress_ratio}  # type: ignore[dict-item]
+        """Give the numbers of the loads by key, as `Simulation.run` takes them."""
+        return numbers_of(self.resolved.load)
+
+    def path(self) -> LoadPath:
+        """Give the load path."""
+        return path_of(self.material, self.resolved.load)
 
     def at(self, target: Path) -> ReadyCase:
         """Give the same case another result file."""
@@ -195,8 +195,8 @@ def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> Read
     name = path.name
     material = _in_table(name, "material", lambda: _material(case))
     case, grading = _grading(case, path)
-    case = _loads(case, path)
-    ratios = _in_table(name, "load", lambda: _path(material, case)).stress_ratio
+    case = with_numbers(case, path)
+    ratios = _in_table(name, "load", lambda: path_of(material, case.load)).stress_ratio
     _require_reference_size(case, name)
     if case.engine.closure == "resolved":
         grid: LogGrid | ResolvedGrid = _nodes(case, material, grading, name)
@@ -216,11 +216,6 @@ def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> Read
                 rule = f"it must hold indices of loads, 0 to {ratios.size - 1}"
                 raise _wrong_key(path, "output", "fabrics", k, rule, finding=f"has {k}")
     return ready
-
-
-def _path(material: Material, case: Case) -> LoadPath:
-    load = case.load
-    return load_path(material, load.stress_ratio, load.stress, load.loading_rate, load.remix_after)  # type: ignore[arg-type]
 
 
 def _simulation(material: Material, grading: Grading, case: Case, grid: LogGrid | None) -> Simulation:
@@ -304,36 +299,3 @@ def _grading(case: Case, path: Path) -> tuple[Case, Grading]:
             raise reworded(error, words=WORDS) from None
     fields = table.model_dump(exclude={"kind"}, exclude_none=True)
     return case, _in_table(path.name, "grading", lambda: MAKERS[table.kind](**fields)).with_unit(unit)
-
-
-def _loads(case: Case, path: Path) -> Case:
-    """Case with its load path written out as numbers."""
-    load = case.load
-    given = [key for key in ("stress", "stress_ratio", "file") if getattr(load, key) is not None]
-    if len(given) != 1:
-        subject = " and ".join(given) if given else "no load"
-        finding = "are both given" if len(given) == 2 else "are all given" if given else "is given"
-        rule = "give one of stress, stress_ratio, file"
-        raise parameter_error("load", subject=subject, finding=finding, rule=rule, place=table_place(path.name, "load"))
-    key = given[0]
-    values = getattr(load, key)
-    if key == "file":
-        key, values = read_loads(path.parent / str(load.file), case.units.stress)
-    elif isinstance(values, LoadRange):
-        values = _in_range(values, table_place(path.name, "load", key))
-    elif isinstance(values, float | int):
-        values = [float(values)]
-    update = {"stress": None, "stress_ratio": None, "file": None} | {key: [float(value) for value in values]}
-    return case.model_copy(update={"load": load.model_copy(update=update)})
-
-
-def _in_range(loads: LoadRange, place: str) -> list[float]:
-    """List the loads from one to another; `place` is the table that gives them."""
-    bad = next((x for x in (loads.first, loads.last) if not np.isfinite(x) or x < 0.0), None)
-    if bad is not None:
-        raise parameter_error("from or to", float(bad), "it must be a finite number of at least 0", place=place)
-    if loads.spacing == "log":
-        if not (loads.first > 0.0 and loads.last > 0.0):
-            raise parameter_error("from or to", 0, 'spacing "log" needs both greater than 0', place=place)
-        return list(np.geomspace(loads.first, loads.last, loads.steps).tolist())
-    return list(np.linspace(loads.first, loads.last, loads.steps).tolist())

@@ -160,7 +160,7 @@ def _wanted(case: ReadyCase, bins: int) -> frozenset[int]:
     """Find the loads whose fabric a case asks for."""
     if isinstance(case.grid, ResolvedGrid):
         return frozenset()
-    return wanted_fabrics(case.resolved.output.fabrics, len(next(iter(case.loads().values()))), bins)
+    return wanted_fabrics(case.resolved.output.fabrics, case.path().stress_ratio.size, bins)
 
 
 def run_file_again(file: Path, target: Path) -> tuple[Result, bool]:

@@ -26,7 +26,7 @@ from comminute._core import (
 )
 from comminute.gradings.reading import Top
 from comminute.simulation import Simulation
-from comminute.util.choices import Closure, EngineName, Kind, Mean, Scheme
+from comminute.util.choices import Closure, EngineName, Kind, Mean, Scheme, StressName
 
 Rest = int | Literal["rest"]
 MATERIAL = Material()
@@ -91,6 +91,10 @@ class MaterialTable(Table):
     fabric_width: float = MATERIAL.fabric_width
     reference_size: float = MATERIAL.reference_size
     first_crush_stress: float | None = MATERIAL.first_crush_stress
+    stress_measure: StressName | None = None
+    k0: float | None = MATERIAL.k0
+    poisson: float | None = None
+    strength_scatter: bool = MATERIAL.strength_scatter
     fragments: Annotated[Weibull | PowerLaw | LogNormal | Tabulated, Field(discriminator="law")] = Weibull()
 
 
@@ -223,13 +227,18 @@ class LoadRange(Table):
 
 
 Loads = float | list[float] | LoadRange
+LOADS = ("stress", "stress_ratio", "p", "q", "vertical", "k0")  # keys of a load path that hold numbers
 
 
 class LoadTable(Table):
-    """The load path: `stress`, `stress_ratio`, or a file with a column of either name."""
+    """The load path: `stress`, `stress_ratio`, `p` with `q`, `vertical` with `k0`, or a file of stresses or ratios."""
 
     stress: Loads | None = None
     stress_ratio: Loads | None = None
+    p: Loads | None = None
+    q: Loads | None = None
+    vertical: Loads | None = None
+    k0: Loads | None = None
     file: str | None = None
     loading_rate: float | list[float] = RUN["loading_rate"]
     remix_after: list[int] = list(RUN["remix_after"])

@@ -25,11 +25,10 @@ def compared(cases: list[ReadyCase], *, cells: int, threads: int) -> ClosureComp
     (ready,) = cases
     load, engine = ready.resolved.load, ready.resolved.engine
     require_quasi_static(ready.recipe())
-    kind, values = next(iter(ready.loads().items()))
     return compare_closures(
         ready.material,
         ready.grading,
-        **{kind: values},  # type: ignore[arg-type]
+        stress_ratio=ready.path().stress_ratio,
         remix_after=load.remix_after,
         mean=engine.mean,
         grid=ready.even_grid,

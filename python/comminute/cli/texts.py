@@ -57,6 +57,11 @@ def material_line(ready: ReadyCase) -> str:
     material, units = ready.material, ready.resolved.units
     stress = material.first_crush_stress
     crush = "" if stress is None else f", first crush stress {stress:.4g} {units.stress}"
+    if material.stress_measure is not None:
+        poisson, k0 = material.stress_measure.poisson, material.k0
+        ratio = "" if poisson is None else f", poisson {poisson:.4g}"
+        test = "" if k0 is None else f", vertical at K0 {k0:.4g}"
+        crush += f" ({material.stress_measure.name} stress{ratio}{test})"
     return (
         f"material: reference size {material.reference_size:.4g} {units.size}{crush}, weibull modulus "
         f"{material.weibull_modulus:.4g}, fabric width {material.fabric_width:.4g}, fragments {material.fragments}"
@@ -68,14 +73,14 @@ def case_summary(ready: ReadyCase) -> str:
     case, grading, grid = ready.resolved, ready.grading, ready.grid
     unit = f" {grading.unit}" if grading.unit else ""
     d50 = grading.percentile(50, extrapolate=True)
-    (kind, loads), *_ = ready.loads().items()
-    in_unit = f" {case.units.stress}" if kind == "stress" else ""
+    count = ready.path().stress_ratio.size
+    loads = ", ".join(_extent(key, values, case.units.stress) for key, values in ready.loads().items())
     varied = "".join(f"\n  {key} = {value}" for key, value in ready.varied.items())
     lines = [
-        f"{ready.target.name}: {len(loads)} loads, {kind} {min(loads):g} to {max(loads):g}{in_unit}{varied}",
+        f"{ready.target.name}: {count} loads, {loads}{varied}",
         f"  {material_line(ready)}",
         f"  grading: largest {grading.largest:.4g}{unit}, D50 {d50:.4g}{unit}",
-        f"  grid: {grid.bins} bins, {grid.edge_sizes[1]:.3g} to {grid.edge_sizes[-1]:.4g}{unit}, {_extent(grid)}",
+        f"  grid: {grid.bins} bins, {grid.edge_sizes[1]:.3g} to {grid.edge_sizes[-1]:.4g}{unit}, {_bins(grid)}",
         f"  closure: {case.engine.closure}, engine {case.engine.name}, scheme {case.engine.scheme}"
         if isinstance(grid, LogGrid)
         else f"  closure: {case.engine.closure}, which is quasi-static and its own engine",
@@ -84,13 +89,19 @@ def case_summary(ready: ReadyCase) -> str:
     return "\n".join(lines)
 
 
-def _extent(grid: LogGrid | ResolvedGrid) -> str:
+def _bins(grid: LogGrid | ResolvedGrid) -> str:
     """Width of the bins and memory of a state."""
     if isinstance(grid, LogGrid):
         return f"{grid.bins**2 * 8 / 1e6:.1f} MB a fabric"
     widths = np.diff(grid.edges)[1:]
     memory = 14 * grid.nodes**3 * 8 / 1e6
     return f"{widths.min():.2g} to {widths.max():.2g} wide in ln(size), {memory:.0f} MB in all"
+
+
+def _extent(key: str, loads: list[float], stress_unit: str) -> str:
+    """Least and largest of the loads by a key."""
+    unit = "" if key in ("stress_ratio", "k0") else f" {stress_unit}"
+    return f"{key} {min(loads):g} to {max(loads):g}{unit}"
 
 
 class LoadTableText:
@@ -101,7 +112,7 @@ class LoadTableText:
         self._units = (ready.resolved.units.stress, ready.grading.unit)
         self._shown = 0
         self._bar: Any = None
-        total = len(next(iter(ready.loads().values())))
+        total = ready.path().stress_ratio.size
         if not quiet and sys.stderr.isatty():
             try:
                 from tqdm.auto import tqdm  # noqa: PLC0415  (optional)

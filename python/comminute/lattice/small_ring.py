@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from comminute._core import Grading, LogGrid, Material, ShapeError, critical_stress_ratio, fragment_pmf
 from comminute.util.choices import Mean, Scheme, require_word
-from comminute.util.errors import parameter_error
+from comminute.util.errors import parameter_error, scattered
 
 Floats = npt.NDArray[np.float64]
 
@@ -68,6 +68,8 @@ class SmallRing:
             finding, rule = f"has {grid.bins} bins", f"it must have at most {LARGEST_BINS} here"
             raise parameter_error("bins", grid.bins, rule, subject="the grid", finding=finding)
         require_word("mean", mean, Mean)
+        if material.strength_scatter:
+            raise scattered("a small ring")
         self.cells = cells
         self.grid = grid
         self.material = material

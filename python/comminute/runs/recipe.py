@@ -112,14 +112,20 @@ def law_of(record: dict[str, Any]) -> Law:
 
 
 def material_record(material: Material) -> dict[str, Any]:
-    """Numbers of a material."""
-    return {
+    """Numbers of a material; what version 0.1.0 did not have is left out unless it is set."""
+    record: dict[str, Any] = {
         "weibull_modulus": material.weibull_modulus,
         "fabric_width": material.fabric_width,
         "reference_size": material.reference_size,
         "fragments": law_record(material.fragments),
         "first_crush_stress": material.first_crush_stress,
     }
+    if material.strength_scatter:
+        record["strength_scatter"] = True
+    measure = material.stress_measure
+    if measure is None:
+        return record
+    return record | {"stress_measure": measure.name, "poisson": measure.poisson, "k0": material.k0}
 
 
 def material_of(record: dict[str, Any]) -> Material:

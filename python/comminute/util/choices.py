@@ -10,6 +10,7 @@ Kind = Literal["slow", "exact", "fast", "blend"]
 Mean = Literal["arithmetic", "geometric"]
 Scheme = Literal["conservative", "paper"]
 Closure = Literal["paper", "resolved"]
+StressName = Literal["largest", "vertical", "mean", "octahedral", "energy"]
 EngineName = Literal["auto", "quasi-static", "slow-update", "full-convolution"]
 
 

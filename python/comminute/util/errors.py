@@ -31,6 +31,7 @@ PYTHON: dict[str, str] = {
     "add_coarser_sieve": "add the size that all grains pass",
     "add_finer_sieve": "add a size with 0 % finer",
     "set_first_crush_stress": "set it on the Material, or give stress_ratio",
+    "set_stress_measure": 'name it on the Material, stress_measure="mean" for example',
     "use_same_grid": "make the solver with fabric.grid",
     "use_blend_kernel": 'use kind "blend", or leave loading_rate at 0',
     "choose_path": "use path 'automatic' or 'transforms'",
@@ -47,6 +48,7 @@ PYTHON: dict[str, str] = {
     "use_one_unit": "bring them to one unit",
     "keep_fabric": "add its index to keep_fabrics of run",
     "count_from_smallest": "pass smallest=, the size from which to count",
+    "turn_sign": "compression is positive here: turn the sign",
 }
 
 _remedy_words.update(PYTHON)  # the core words its errors for Python code from this table
@@ -121,6 +123,12 @@ def parameter_error(
         "remedy": remedy,
     }
     return _made(ParameterError, parts, PYTHON)
+
+
+def scattered(what: str) -> ParameterError:
+    """Error of something that knows one strength for each size, and was given a material whose strengths scatter."""
+    finding = f"is True, and {what} knows one strength for each size"
+    return parameter_error("strength_scatter", True, finding=finding, remedy="use_lattice_or_resolved")
 
 
 def wrong_file(name: str, finding: str, rule: str) -> ParameterError:

@@ -11,7 +11,7 @@ import inspect
 import re
 import sys
 from collections.abc import Callable
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar, get_args, get_type_hints
 
 from comminute._core import Grading
 
@@ -67,16 +67,26 @@ def suggests_keywords(function: Callable[P, R], name: str = "") -> Callable[P, R
 
 
 def keywords_of(function: Callable[..., Any]) -> list[str]:
-    """Names of the keywords that a function takes; empty for one that takes any, or whose signature is not known."""
+    """Names of the keywords that a function takes; empty for one that takes any, or whose signature is not known.
+
+    Keywords that a TypedDict lists (`**axial: Unpack[AxialStress]`) are among them.
+    """
     try:
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):
         signatures = re.findall(r"^(?:[0-9]+\. )?\w+\((.*)\) ->", function.__doc__ or "", re.MULTILINE)
         names = [name for signature in signatures for name in re.findall(r"(?:^|, )([a-z_0-9]+): ", signature)]
         return [name for name in dict.fromkeys(names) if name != "self"]
-    if any(parameter.kind is inspect.Parameter.VAR_KEYWORD for parameter in parameters):
-        return []
-    return [parameter.name for parameter in parameters if parameter.name != "self"]
+    known = []
+    for parameter in parameters:
+        if parameter.kind is not inspect.Parameter.VAR_KEYWORD:
+            known.append(parameter.name)
+            continue
+        listed = get_args(get_type_hints(function).get(parameter.name))
+        if not listed:
+            return []
+        known += get_type_hints(listed[0])
+    return [name for name in known if name != "self"]
 
 
 def _message(called: str, word: str, known: list[str]) -> str:
@@ -87,7 +97,7 @@ def _message(called: str, word: str, known: list[str]) -> str:
 
 FUNCTIONS: tuple[str, ...] = ("monodisperse", "gap_graded", "power_law", "uniform_size", "log_uniform", "fuller")
 FUNCTIONS += ("lognormal", "rosin_rammler", "mixed_fabric", "fitting_grid", "percentile")
-CLASSES: tuple[str, ...] = ("Material", "LogGrid", "Fabric", "WeibullFragments", "PowerLawFragments")
+CLASSES: tuple[str, ...] = ("Material", "StressMeasure", "LogGrid", "Fabric", "WeibullFragments", "PowerLawFragments")
 CLASSES += ("LogNormalFragments", "TabulatedFragments", "FullConvolution", "SlowUpdate", "QuasiStatic")
 CLASSES += ("Lattice", "TimeSteppedLattice")
 

@@ -53,7 +53,8 @@ TEST_CASE("every kind of remedy has a name of its own and words") {
         names.insert(name_of(remedy));
     }
     CHECK(names.size() == remedies().size());
-    CHECK(static_cast<int>(remedies().size()) == static_cast<int>(Remedy::use_lattice_or_resolved));  // the last one
+    CHECK(static_cast<int>(remedies().size()) ==
+          static_cast<int>(Remedy::use_lattice_or_resolved));  // the last one
     CHECK(names.count("") == 0);
     CHECK(name_of(Remedy::none).empty());
     CHECK(words_of(Remedy::none).empty());

@@ -176,7 +176,11 @@ MESSAGES = [
         "steps = 3 }\nstress_ratio = 1.0",
         "case.toml [load]: stress and stress_ratio are both given; give one of",
     ),
-    ("stress = {", "# {", "case.toml [load]: no load is given; give one of stress, stress_ratio, file"),
+    (
+        "stress = {",
+        "# {",
+        "case.toml [load]: no load is given; give one of stress, stress_ratio, p with q, vertical with k0, file",
+    ),
     (
         "from = 1.2",
         "from = -1.2",

@@ -139,6 +139,13 @@ def assert_same_words(found: str, expected: str) -> None:
             assert word == wanted
 
 
+@pytest.mark.parametrize("page", sorted(path.name for path in (ROOT / "docs" / "guides").glob("*.md")))
+def test_examples_of_the_guides_run(page: str) -> None:
+    outcome = doctest.testfile(str(ROOT / "docs" / "guides" / page), module_relative=False, encoding="utf-8")
+    assert outcome.attempted > 0
+    assert outcome.failed == 0
+
+
 def test_page_of_sieve_tables_is_up_to_date() -> None:
     script = ROOT / "docs" / "sieve_tables.py"
     spec = importlib.util.spec_from_file_location("sieve_tables", script)

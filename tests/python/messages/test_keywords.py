@@ -17,6 +17,9 @@ CALLS: dict[str, tuple[Callable[[], object], str]] = {
     "reader": (lambda: cm.Grading.read("sand.csv", sampel="A"), "Grading.read() has no keyword sampel; did you mean sample?"),  # type: ignore[call-arg]
     "simulation": (lambda: cm.Simulation(MATERIAL, START, sceme="paper"), "Simulation() has no keyword sceme; did you mean scheme?"),  # type: ignore[call-arg]
     "run": (lambda: cm.Simulation(MATERIAL, START).run(stres_ratio=[1]), "run() has no keyword stres_ratio; did you mean stress_ratio?"),  # type: ignore[call-arg]
+    "stress of a run": (lambda: cm.Simulation(MATERIAL, START).run(vertial=[1]), "run() has no keyword vertial; did you mean vertical?"),  # type: ignore[call-arg]
+    "run of a lattice": (lambda: cm.Lattice(8, MATERIAL, START).run(stress_ratio=1, kep_fabrics="all"), "run() has no keyword kep_fabrics; did you mean keep_fabrics?"),  # type: ignore[call-arg]
+    "measure": (lambda: cm.StressMeasure("energy", poison=0.2), "StressMeasure() has no keyword poison; did you mean poisson?"),  # type: ignore[call-arg]
     "lattice": (lambda: cm.Lattice(8, MATERIAL, START, sed=1), "Lattice() has no keyword sed; did you mean seed?"),  # type: ignore[call-arg]
     "nothing near": (lambda: cm.LogGrid(-1.0, 1.0, 8, zzz=1), "LogGrid() has no keyword zzz; it has psi_min, psi_max, bins"),  # type: ignore[call-arg]
 }  # fmt: skip

@@ -155,8 +155,8 @@ GRADINGS: list[tuple[Callable[[], object], str]] = [
 ]
 
 RUNS: list[tuple[Callable[[], object], str]] = [
-    (lambda: simulate(), "give either stress_ratio or stress, and not both"),
-    (lambda: simulate(stress_ratio=1.0, stress=1.0), "give either stress_ratio or stress, and not both"),
+    (lambda: simulate(), "give one kind of load: stress_ratio, stress, p with q, or vertical with k0"),
+    (lambda: simulate(stress_ratio=1.0, stress=1.0), "give one kind of load: stress_ratio, stress, p with q"),
     (
         lambda: simulate(stress=[1.0]),
         "stress is 1; it needs first_crush_stress, which is not set. Set it on the Material, or give stress_ratio",

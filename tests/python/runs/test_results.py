@@ -29,6 +29,8 @@ RINGS_RUN = RINGS.run(stress_ratio=[1.0, 8.0], grid=GRID)
 THINGS = [
     GRID,
     MATERIAL,
+    cm.Material(first_crush_stress=2.0, stress_measure="energy", poisson=0.2, k0=0.5),
+    cm.StressMeasure("energy", poisson=0.2),
     cm.WeibullFragments(2.0, 0.5),
     cm.PowerLawFragments(2.0),
     cm.LogNormalFragments(-1.0, 0.3),
