@@ -1,6 +1,7 @@
 """Distance of the law of three cells to the lattice: starts, fabric widths, moduli, fragment laws and means.
 
-Writes three_cells.md beside it; some minutes. The distance is that of Kolmogorov and Smirnov at the ends of all nodes
+Writes three_cells.md beside it, or three_cells_scattered.md with the word "scattered", where each grain has a strength
+of its own; some minutes each. The distance is that of Kolmogorov and Smirnov at the ends of all nodes
 and on both sides of exact sizes, with the lattice's sizes as they are.
 """
 
@@ -9,12 +10,16 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import comminute as cm
 
-REPORT = Path(__file__).with_suffix(".md")
+REPORTS = {
+    False: ("three_cells.md", "The law of three cells against the lattice"),
+    True: ("three_cells_scattered.md", "The law of three cells against the lattice: scattered strengths"),
+}
 LOADS = [1.5, 2.0, 4.0, 8.0, 32.0, 100.0, 1e3, 1e4]
 CELLS, RINGS, SEED = 100_000, 40, 7
 STARTS = {
@@ -57,21 +62,26 @@ def row(material: cm.Material, start: cm.Grading, mean: str, rings: int) -> list
     return [*found, distance(law, lattice)]
 
 
-def materials() -> Iterator[tuple[str, cm.Material, str]]:
+def materials(scattered: bool) -> Iterator[tuple[str, cm.Material, str]]:
     """Name, material and mean of each table's rows."""
+
+    def with_width(width: float, **fields: Any) -> cm.Material:
+        return cm.Material(fabric_width=width, strength_scatter=scattered, **fields)
+
     for width in (0.02, 0.05, 0.1, 0.2, 0.4):
-        yield f"n = {width:g}", cm.Material(fabric_width=width), "arithmetic"
+        yield f"n = {width:g}", with_width(width), "arithmetic"
     for width in (0.05, 0.2):
-        yield f"n = {width:g}, w = 6", cm.Material(fabric_width=width, weibull_modulus=6.0), "arithmetic"
+        yield f"n = {width:g}, w = 6", with_width(width, weibull_modulus=6.0), "arithmetic"
         for name, law in list(LAWS.items())[1:]:
-            yield f"n = {width:g}, {name}", cm.Material(fabric_width=width, fragments=law), "arithmetic"
-        yield f"n = {width:g}, geometric mean", cm.Material(fabric_width=width), "geometric"
+            yield f"n = {width:g}, {name}", with_width(width, fragments=law), "arithmetic"
+        yield f"n = {width:g}, geometric mean", with_width(width), "geometric"
 
 
-def main(rings: int) -> None:
+def main(rings: int, scattered: bool) -> None:
     """Compute and write the report."""
+    file, title = REPORTS[scattered]
     lines = [
-        "# The law of three cells against the lattice",
+        f"# {title}",
         "",
         f"comminute {cm.__version__}; written by `docs/validation/three_cells.py`. Distance of Kolmogorov and Smirnov",
         "times 1e4.",
@@ -81,14 +91,15 @@ def main(rings: int) -> None:
         "| material | start | " + " | ".join(f"{load:g}" for load in LOADS) + " | mixed twice |",
         "|---|---|" + "---:|" * (len(LOADS) + 1),
     ]
-    for name, material, mean in materials():
+    for name, material, mean in materials(scattered):
         for start, grading in STARTS.items():
             numbers = row(material, grading, mean, rings)
             lines.append(f"| {name} | {start} | " + " | ".join(f"{1e4 * number:.0f}" for number in numbers) + " |")
             print(lines[-1], flush=True)
     lines += ["", "The columns are stress ratios; the last is 32 and then 4 after a mixing each."]
-    REPORT.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    Path(__file__).with_name(file).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else RINGS)
+    numbers = [int(word) for word in sys.argv[1:] if word.isdigit()]
+    main(numbers[0] if numbers else RINGS, "scattered" in sys.argv[1:])

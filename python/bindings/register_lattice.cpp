@@ -139,6 +139,21 @@ py::array_t<double> psi(Guarded<Model>& lattice) {
 }
 
 template <class Model>
+py::array_t<double> log_strength(Guarded<Model>& lattice) {
+    const auto [replicas, cells] =
+        lattice.with([](const Model& l) { return std::pair(l.replicas(), l.cells()); });
+    py::array_t<double> out({replicas, cells});
+    double* data = out.mutable_data();
+    std::fill_n(data, replicas * cells, 0.0);
+    lattice.with([&, cells = cells](const Model& l) {
+        Index r = 0;
+        for (const auto& ring : l.rings())
+            std::copy(ring.log_strength.begin(), ring.log_strength.end(), data + r++ * cells);
+    });
+    return out;
+}
+
+template <class Model>
 py::array_t<std::uint32_t> crushes(Guarded<Model>& lattice) {
     const auto [replicas, cells] =
         lattice.with([](const Model& l) { return std::pair(l.replicas(), l.cells()); });
@@ -189,6 +204,7 @@ void add_lattice_methods(py::class_<Guarded<Model>>& lattice) {
             py::arg("max_stress_ratio"))
         .def_property_readonly("points", reading<Model>([](const Model& m) { return m.points(); }))
         .def_property_readonly("psi", &psi<Model>)
+        .def_property_readonly("log_strength", &log_strength<Model>)
         .def_property_readonly("crushes", &crushes<Model>)
         .def_property_readonly(
             "mean_crushes",

@@ -81,6 +81,12 @@ std::unique_ptr<Law> made(const Material& material, const Start& start, std::opt
 std::unique_ptr<Law> from_lattice(const py::object& lattice, std::optional<ResolvedGrid> grid,
                                   double tolerance, double max_step, Index threads) {
     const auto material = lattice.attr("material").cast<Material>();
+    if (material.strength_scatter && lattice.attr("crushes").attr("any")().cast<bool>()) {
+        throw ParameterError({.parameter = "lattice",
+                              .subject = "the lattice",
+                              .finding = "has been loaded, so that its grains are those which proved strong",
+                              .rule = "with scattered strengths give a lattice that no load has crushed"});
+    }
     const auto psi = lattice.attr("psi").cast<py::array_t<double>>();
     if (!grid)
         grid = fitting_nodes(VectorView<const double>(psi.data(), psi.size()),

@@ -12,7 +12,7 @@ import comminute as cm
 from reference import Array
 
 MASK = 2**64 - 1
-STREAM, START, FRAGMENT, TIE, SHUFFLE, DECISION = range(6)
+STREAM, START, FRAGMENT, TIE, SHUFFLE, DECISION, FIRST_STRENGTH, STRENGTH = range(8)
 
 
 def philox(key: int, low: int, high: int) -> tuple[int, int]:
@@ -59,13 +59,21 @@ class PlainRing:
         self.remixes = 0
         self.avalanches: list[tuple[float, int]] = []
         self.draw = sampler(material.fragments)
+        self.log_strength = [self.strength(FIRST_STRENGTH, cell, 0) for cell in range(len(self.psi))]
+
+    def strength(self, purpose: int, cell: int, when: int) -> float:
+        """Log of a cell's own factor of its critical load, by inversion of the Weibull law; 0 where none scatters."""
+        if not self.material.strength_scatter:
+            return 0.0
+        return math.log(-math.log1p(-uniform(self.stream, purpose, cell, when))) / self.material.weibull_modulus
 
     def log_critical(self, cell: int) -> float:
-        """Log of Eq. 2."""
+        """Log of Eq. 2, with the cell's own factor."""
         left, right = self.psi[cell - 1], self.psi[(cell + 1) % len(self.psi)]
         mean = 0.5 * (left + right) if self.geometric else math.log(0.5 * (math.exp(left) + math.exp(right)))
         contrast = (self.psi[cell] - mean) / self.material.fabric_width
-        return -3.0 / self.material.weibull_modulus * self.psi[cell] + 0.5 * contrast * contrast
+        strength = self.log_strength[cell] - 3.0 / self.material.weibull_modulus * self.psi[cell]
+        return strength + 0.5 * contrast * contrast
 
     def load_to(self, stress_ratio: float) -> None:
         """Crush the weakest cell of all, again and again, while the load bears on it."""
@@ -82,6 +90,7 @@ class PlainRing:
             self.avalanches[-1] = (risen_to, self.avalanches[-1][1] + 1)
             when = self.remixes << 32 | self.crushes[cell]
             self.psi[cell] += self.draw(uniform(self.stream, FRAGMENT, cell, when))
+            self.log_strength[cell] = self.strength(STRENGTH, cell, when)
             self.crushes[cell] += 1
 
     def remix(self) -> None:
@@ -91,3 +100,5 @@ class PlainRing:
             other = bits(self.stream, SHUFFLE, left, self.remixes) * left >> 64
             self.psi[left - 1], self.psi[other] = self.psi[other], self.psi[left - 1]
             self.crushes[left - 1], self.crushes[other] = self.crushes[other], self.crushes[left - 1]
+            strengths = self.log_strength
+            strengths[left - 1], strengths[other] = strengths[other], strengths[left - 1]

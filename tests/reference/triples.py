@@ -82,11 +82,10 @@ class Nodes:
         share[0] = 0.0  # the fines bin
         return share
 
-
     def exposed(self, level: float) -> tuple[Floats, Floats]:
         """(N, N, N) share of each triple that a load crushes, and hazard that the rest has endured on average.
 
-        Where strengths scatter, by the mean over 4000 contrasts of each triple.
+        Where strengths scatter, by the mean over 1000 contrasts of each triple.
         """
         if not self.scattered:
             active = self.active(level)
@@ -97,11 +96,11 @@ class Nodes:
         edge = np.sqrt((extent**2)[:, None, None] + spread + (0.01 * self.width) ** 2)
         edge[exact[:, None, None] & exact[None, :, None] & exact] = 0.0
         share, borne = np.zeros(edge.shape), np.zeros(edge.shape)
-        for place in (np.arange(4000) + 0.5) / 4000 - 0.5:
+        for place in (np.arange(1000) + 0.5) / 1000 - 0.5:
             contrast = (psi[:, None, None] - mean + place * edge) * math.sqrt(self.modulus) / self.width
             hazard = np.exp(log_hazard - 0.5 * contrast**2)
-            share -= np.expm1(-hazard) / 4000
-            borne += hazard * np.exp(-hazard) / 4000
+            share -= np.expm1(-hazard) / 1000
+            borne += hazard * np.exp(-hazard) / 1000
         rest = np.maximum(1.0 - share, 1e-300)
         share[0], borne[0] = 0.0, 0.0  # the fines bin
         return share, np.minimum(borne / rest, hazard_of(share))
@@ -129,12 +128,13 @@ class State:
     def mixed(cls, pmf: Floats, scattered: bool = False) -> State:
         """Mix the nodes at random."""
         mass = np.einsum("b,a,c->bac", pmf, pmf, pmf)
-        return cls(mass, *(np.zeros_like(mass) for _ in range(4)), scattered)
+        none = np.zeros((4, *mass.shape))
+        return cls(mass, none[0], none[1], none[2], none[3], scattered)
 
     def copy(self) -> State:
         """Copy all arrays."""
-        arrays = (self.settled, self.pending, self.active, self.own, self.endured)
-        return State(*(array.copy() for array in arrays), self.scattered, self.crushes)
+        settled, pending, active = self.settled.copy(), self.pending.copy(), self.active.copy()
+        return State(settled, pending, active, self.own.copy(), self.endured.copy(), self.scattered, self.crushes)
 
     def pmf(self) -> Floats:
         """(N,) mass by node."""
@@ -193,8 +193,11 @@ class State:
         settling = (1.0 - active) * arriving
         if self.scattered:
             borne = np.einsum("azb,abi->azi", self.endured, moved)
-            before = self._mean(borne + borne.transpose(0, 2, 1), arriving)
-            settling = arriving * np.exp(-np.maximum(hazard_of(active) - before, 0.0))
+            waiting = np.einsum("azb,abi->azi", self.pending, moved)
+            waiting += waiting.transpose(0, 2, 1)
+            waiting[active == 0.0] = 0.0  # pending mass lies where something is active
+            before = self._mean(borne + borne.transpose(0, 2, 1), arriving - waiting)
+            settling = (arriving - waiting) * np.exp(-np.maximum(hazard_of(active) - before, 0.0))
             self.endured = self.endured * stays + settling * np.maximum(before, own) + landed * own
         self.settled = self.settled * stays + settling + landed
         self.pending = self.pending * stays + arriving - settling

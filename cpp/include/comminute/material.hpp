@@ -31,8 +31,8 @@ struct COMMINUTE_API Material {
     /// K0 >= 0, ratio of the horizontal to the vertical stress of the oedometer in which first_crush_stress was found as a
     /// vertical stress; without one it was found as a value of the measure.
     std::optional<double> k0 = std::nullopt;
-    /// Whether each grain and each fragment has a strength of its own, drawn from the Weibull law of modulus w and scale 1
-    /// as a factor of its critical load. For `Lattice` and `Resolved`.
+    /// Scatter of strengths: each grain and each fragment has one of its own, a factor of its critical load that is drawn from
+    /// the Weibull law of modulus w and scale 1. For `Lattice` and `Resolved`.
     bool strength_scatter = false;
 
     /// @throws ParameterError naming the field, its value and its range

@@ -36,6 +36,7 @@ struct TripleScratch {
     Array<double> count;         // (N) crushes until then
     LaneArray around;         // (N, stride) [z, t]: mass of one centre between z and its crushing neighbour t
     LaneArray moved;          // (rows, stride) [z, b']: of that what has b' for b now
+    LaneArray moved_pending;  // the same of pending mass, where strengths scatter
     LaneArray moved_endured;  // the same of hazards endured, where strengths scatter
     LaneArray factor;         // (N, stride)
     LaneArray leaves;         // (stride) share of each neighbour of a centre that crushes

@@ -34,6 +34,7 @@ TripleScratch::TripleScratch(const TripleTables& tables)
       count(tables.nodes()),
       around(tables.nodes() * tables.stride()),
       moved(lanes_up(tables.nodes()) * tables.stride()),
+      moved_pending(tables.material().strength_scatter ? moved.size() : 0),
       moved_endured(tables.material().strength_scatter ? moved.size() : 0),
       factor(tables.nodes() * tables.stride()),
       leaves(tables.stride()) {}
@@ -164,7 +165,7 @@ void TripleState::crush_between_pairs(const TripleTables& tables, TripleScratch&
     }
 }
 
-// Of the mass around a centre that lies beside a crushing neighbour, what has each of its fragments for it now.
+// The mass of a centre beside a crushing neighbour is spread over the fragments that it has for a neighbour now.
 template <class Mass>
 void TripleState::move_neighbours(const TripleTables& tables, Index centre, TripleScratch& scratch,
                                   LaneArray& moved, const Mass& mass) const {
@@ -205,6 +206,7 @@ void TripleState::replace_sides(const TripleTables& tables, TripleScratch& scrat
         move_neighbours(tables, a, scratch, scratch.moved,
                         [&](Index k) { return settled_[k] + pending_[k]; });
         if (scattered) {
+            move_neighbours(tables, a, scratch, scratch.moved_pending, [&](Index k) { return pending_[k]; });
             move_neighbours(tables, a, scratch, scratch.moved_endured, [&](Index k) { return endured_[k]; });
         }
         for (Index z = 0; z < nodes; ++z) {
@@ -226,23 +228,26 @@ void TripleState::replace_sides(const TripleTables& tables, TripleScratch& scrat
             rest(0, reach.first);
             for (Index b = reach.first; b <= reach.last; ++b) {
                 const double stays = 1.0 - (leaves[z] + leaves[b]);
-                const double arriving = scratch.moved[z * stride + b];
-                const Settling settling =
-                    settling_of(at + b, arriving, scattered ? scratch.moved_endured[z * stride + b] : 0.0);
+                const Index from = z * stride + b;
+                const double arriving = scratch.moved[from];
+                Settling settling{(1.0 - share_[at + b]) * arriving, 0.0};
+                if (scattered) {
+                    const double waiting = scratch.moved_pending[from];
+                    settling = settling_of(at + b, arriving - waiting, scratch.moved_endured[from]);
+                    endured_[at + b] = endured_[at + b] * stays + settling.endured;
+                }
                 pending_[at + b] = pending_[at + b] * stays + (arriving - settling.mass);
                 settled_[at + b] = settled_[at + b] * stays + settling.mass;
-                if (scattered) endured_[at + b] = endured_[at + b] * stays + settling.endured;
             }
             rest(reach.last + 1, nodes);
         }
     }
 }
 
-// Cells that have borne a hazard under their earlier neighbours bear it under the new ones too, and only what goes beyond
-// it is new to them.
+// Settled cells that have borne a hazard under their earlier neighbours bear it under the new ones too, and only what goes
+// beyond it is new to them. Pending cells stay so.
 TripleState::Settling TripleState::settling_of(Index at, double arriving, double endured) const {
-    if (endured_.size() == 0) return {(1.0 - share_[at]) * arriving, 0.0};
-    if (!(arriving > 0.0)) return {arriving, 0.0};
+    if (!(arriving > 0.0)) return {0.0, 0.0};
     const double hazard = hazard_of(share_[at]);
     const double before = endured / arriving;
     const double mass = hazard > before ? arriving * std::exp(before - hazard) : arriving;

@@ -18,6 +18,7 @@ constexpr double edge_floor = 0.01;  // least width of a zone's edge, in fabric 
 constexpr double tie_rise = 0.001;   // of ln(stress ratio), in which tied cells crush in random order
 constexpr double tie_slack = 0.05;   // fabric widths by which a tie may be active beyond the zone's edge
 constexpr int most_panels = 64;
+constexpr double least_share = 1e-18;  // of scattered strengths within the reach, rounding of any mass
 
 // Mean over a bin of the share of fragments no larger than `size`; of an exact size, at it.
 template <class Law>
@@ -143,8 +144,13 @@ double TripleTables::share(Index b, Index a, Index c, double level, const Centre
     const double x = centre_[b] - neighbourhood(a, c);
     const double edge = std::sqrt(width_[b] * width_[b] + spread(a, c) + floor_);
     if (zone.scattered) {
-        if (all_exact(b, a, c)) return zone.scattered->at(contrast_ * x);
-        return zone.scattered->mean(contrast_ * (x - 0.5 * edge), contrast_ * (x + 0.5 * edge));
+        // Beyond the reach of either neighbour there is nothing and within it something, so that both find the same and the
+        // reach is nested in the load, whatever the rounding.
+        if (2.0 * (std::abs(x) - half_width) >= edge) return 0.0;
+        const double found = all_exact(b, a, c) ? zone.scattered->at(contrast_ * x)
+                                                : zone.scattered->mean(contrast_ * (x - 0.5 * edge),
+                                                                       contrast_ * (x + 0.5 * edge));
+        return std::max(found, least_share);
     }
     if (grid_.exact(b)) {
         if (all_exact(b, a, c)) return tie(b, a, c, level);

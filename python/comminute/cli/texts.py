@@ -65,6 +65,7 @@ def material_line(ready: ReadyCase) -> str:
     return (
         f"material: reference size {material.reference_size:.4g} {units.size}{crush}, weibull modulus "
         f"{material.weibull_modulus:.4g}, fabric width {material.fabric_width:.4g}, fragments {material.fragments}"
+        f"{', strengths scattered' if material.strength_scatter else ''}"
     )
 
 

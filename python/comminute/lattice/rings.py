@@ -61,6 +61,11 @@ class Rings:
         return self._core.psi
 
     @property
+    def strength(self) -> Floats:
+        """(replicas, cells) factor of each cell's critical load; a copy. 1 unless strengths scatter."""
+        return np.exp(self._core.log_strength)
+
+    @property
     def crushes(self) -> npt.NDArray[np.uint32]:
         """(replicas, cells) number of times each cell has crushed since the start; a copy."""
         return self._core.crushes

@@ -242,7 +242,7 @@ def require_quasi_static(recipe: Recipe) -> None:
 
 def closure_note(material: Material) -> str:
     """Tell how near to the lattice the closure is at the fabric width of a material."""
-    found, width = closure_error(material.fabric_width), f"fabric width {material.fabric_width:.4g}"
+    found, width = closure_error(material), f"fabric width {material.fabric_width:.4g}"
     if math.isnan(found):
         return f"the closure of three cells was compared with the lattice up to a fabric width of 0.4, not at {width}"
     return f"the closure of three cells was found within {found:.2g} of the lattice's curves at {width}"

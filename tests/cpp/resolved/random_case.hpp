@@ -33,6 +33,7 @@ struct RandomCase {
         if (law == 1) material.fragments = comminute::PowerLawFragments{0.6 + share(random)};
         if (law == 2) material.fragments = comminute::LogNormalFragments{-0.8, 0.4};
         if (law == 3) material.fragments = comminute::TabulatedFragments{{0.1, 0.5, 1.0}, {0.1, 0.4, 1.0}};
+        material.strength_scatter = seed % 3 == 0;
         comminute::ResolvedOptions options;
         options.mean = share(random) < 0.5 ? comminute::Mean::arithmetic : comminute::Mean::geometric;
         comminute::NodeOptions nodes;

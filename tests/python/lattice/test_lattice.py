@@ -94,6 +94,7 @@ def rings(draw: st.DrawFn) -> Ring:
         fabric_width=draw(st.sampled_from([0.02, 0.05, 0.3, 2.0, math.inf])),
         reference_size=draw(st.sampled_from([1.0, 0.7])),
         fragments=draw(st.sampled_from(laws)),
+        strength_scatter=draw(st.booleans()),
     )
     means: list[Mean] = ["arithmetic", "geometric"]
     return sizes, material, draw(st.sampled_from(means))
@@ -133,8 +134,9 @@ def test_laws_of_every_ring(ring: Ring, loads: list[float]) -> None:
             assert crushes == 0
             np.testing.assert_array_equal(after, before)
         largest = max(load, largest)
-        for psi in after:
-            assert largest == 0.0 or log_critical(psi, material, mean).min() > math.log(largest) - 1e-12
+        for psi, strength in zip(after, lattice.strength, strict=True):
+            critical = log_critical(psi, material, mean) + np.log(strength)
+            assert largest == 0.0 or critical.min() > math.log(largest) - 1e-12
         before = after
     assert lattice.settled_at == largest
     lattice.remix()
