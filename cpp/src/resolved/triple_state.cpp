@@ -33,7 +33,7 @@ TripleState::TripleState(const TripleTables& tables, const std::vector<double>& 
         for (Index a = 0; a < tables.nodes(); ++a) {
             double* to = settled_.data() + row(tables, b, a);
             for (Index c = 0; c < tables.nodes(); ++c) to[c] = p[b] * (p[a] * p[c]);
-            if (endured_.size() == 0 || endured.empty()) continue;
+            if (endured_.empty() || endured.empty()) continue;
             double* borne = endured_.data() + row(tables, b, a);
             for (Index c = 0; c < tables.nodes(); ++c) borne[c] = to[c] * detail::at(endured, b);
         }
@@ -47,7 +47,7 @@ TripleState::TripleState(const TripleTables& tables, Triples mass)
 
 TripleState::TripleState(const TripleTables& tables, const TripleRecord& record)
     : TripleState(tables, Triples{record.settled}) {
-    if (endured_.size() > 0) put(tables, record.endured, endured_);
+    if (!endured_.empty()) put(tables, record.endured, endured_);
     level_ = record.level;
     crushes_ = record.crushes;
     avalanches_ = record.avalanches;
@@ -58,7 +58,7 @@ TripleState::TripleState(const TripleTables& tables, const TripleRecord& record)
         for (Index c = reach.first; c <= reach.last; ++c) {
             const Index k = row(tables, b, a) + c;
             share_[k] = tables.share(b, a, c, level_, zone);
-            if (own_.size() > 0) own_[k] = tables.endured(b, a, c, zone, share_[k]);
+            if (!own_.empty()) own_[k] = tables.endured(b, a, c, zone, share_[k]);
         }
     });
 }
@@ -67,7 +67,7 @@ TripleRecord TripleState::record(const TripleTables& tables) const {
     const Index nodes = tables.nodes();
     TripleRecord record{{}, {}, {}, level_, crushes_, avalanches_};
     const auto take = [&](const LaneArray& from, std::vector<double>& to) {
-        if (from.size() == 0) return;
+        if (from.empty()) return;
         for (Index k = 0; k < nodes * nodes; ++k) {
             const double* row = from.data() + k * tables.stride();
             to.insert(to.end(), row, row + nodes);
@@ -91,7 +91,7 @@ std::vector<double> TripleState::pmf(const TripleTables& tables) const {
 
 std::vector<double> TripleState::endured(const TripleTables& tables) const {
     std::vector<double> hazard;
-    if (endured_.size() == 0) return hazard;
+    if (endured_.empty()) return hazard;
     const Index block = tables.nodes() * tables.stride();
     for (Index b = 0; b < tables.nodes(); ++b) {
         const double mass = sum(settled_.data() + b * block, block);
@@ -129,7 +129,7 @@ double TripleState::overrun_mass(const TripleTables& tables, double level) const
 // Zones are nested, and settled mass lies evenly outside the one before. Scattered strengths that have borne a hazard are
 // a share e^(h - h') of themselves under a greater one.
 double TripleState::taken(Index at, double after) const {
-    if (endured_.size() == 0) {
+    if (endured_.empty()) {
         const double before = share_[at];
         return before < 1.0 ? settled_[at] * (std::max(after - before, 0.0) / (1.0 - before)) : 0.0;
     }
@@ -144,7 +144,7 @@ void TripleState::overrun(const TripleTables& tables, double level) {
         const Index at = row(tables, b, a);
         reach_[b * tables.nodes() + a] = reach;
         for (Index k = at + reach.first; k <= at + reach.last; ++k) {
-            if (share_[k] == 1.0 && (endured_.size() == 0 || settled_[k] == 0.0)) continue;
+            if (share_[k] == 1.0 && (endured_.empty() || settled_[k] == 0.0)) continue;
             const double after = tables.share(b, a, k - at, level, zone);
             const double mass = taken(k, after);
             const double kept = settled_[k] > 0.0 ? 1.0 - mass / settled_[k] : 1.0;
@@ -152,7 +152,7 @@ void TripleState::overrun(const TripleTables& tables, double level) {
             pending_[k] += mass;
             avalanches_ += mass;
             share_[k] = after;
-            if (endured_.size() == 0) continue;
+            if (endured_.empty()) continue;
             own_[k] = tables.endured(b, a, k - at, zone, after);
             endured_[k] = std::max(endured_[k] * kept, settled_[k] * own_[k]);
         }

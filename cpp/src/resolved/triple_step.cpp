@@ -202,7 +202,7 @@ void TripleState::replace_sides(const TripleTables& tables, TripleScratch& scrat
             scratch.columns.push_back(b);
         }
         if (scratch.columns.empty()) continue;
-        const bool scattered = endured_.size() > 0;
+        const bool scattered = !endured_.empty();
         move_neighbours(tables, a, scratch, scratch.moved,
                         [&](Index k) { return settled_[k] + pending_[k]; });
         if (scattered) {
@@ -263,7 +263,7 @@ void TripleState::settle_landed(const TripleTables& tables, TripleScratch& scrat
         const double* landed = scratch.landed.data() + at;
         const Index between = a * stride + c;
         for (Index b = 0; b < nodes; ++b) settled_[between + b * nodes * stride] += landed[b];
-        if (endured_.size() == 0) continue;
+        if (endured_.empty()) continue;
         for (Index b = 0; b < nodes; ++b) {
             const Index k = between + b * nodes * stride;
             endured_[k] += landed[b] * own_[k];

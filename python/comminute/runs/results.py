@@ -275,8 +275,8 @@ class ResolvedData(ResultData):
         return ""
 
 
-# Largest distances of docs/validation/three_cells.md, and of three_cells_scattered.md where strengths scatter, over four
-# starts, all laws, both means and nine loads, at each fabric width and those below it.
+# Largest distances of docs/validation/three_cells.md, and of three_cells_scattered.md where strengths scatter, over
+# four starts, all laws, both means and nine loads, at each fabric width and those below it.
 CLOSURE_ERRORS = {
     False: {0.02: 0.0014, 0.05: 0.0036, 0.1: 0.0036, 0.2: 0.0062, 0.4: 0.0108},
     True: {0.02: 0.0031, 0.05: 0.0116, 0.1: 0.0116, 0.2: 0.0116, 0.4: 0.0132},

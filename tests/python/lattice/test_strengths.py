@@ -22,9 +22,9 @@ SCATTERED = cm.Material(weibull_modulus=4.0, strength_scatter=True)
 def exact_cdf(size: Floats, hazard: float) -> Floats:
     """Finer than a size < 1, of equal grains of size 1 whose neighbours do not matter, with uniform fragments.
 
-    A grain of size s survives with probability exp(-c s^3), whenever it came about, since its strength is drawn anew and
-    zones are nested. The mass M(s) that has passed s goes on from any visited size t with 1 - exp(-c t^3) and lands below s
-    with s / t: M' / M = exp(-c s^3) / s, with M(1) = 1 - e^-c.
+    A grain of size s survives with probability exp(-c s^3), whenever it came about, since its strength is drawn anew
+    and zones are nested. The mass M(s) that has passed s goes on from any visited size t with 1 - exp(-c t^3) and
+    lands below s with s / t: M' / M = exp(-c s^3) / s, with M(1) = 1 - e^-c.
     """
     found: Floats = -math.expm1(-hazard) * np.exp(-(exp1(hazard * size**3) - exp1(hazard)) / 3.0)
     return found
@@ -119,5 +119,5 @@ def test_models_with_one_strength_a_size_refuse_it() -> None:
         lambda: cm.Simulation(SCATTERED, start),
         lambda: cm.compare_closures(SCATTERED, start, stress_ratio=2.0, cells=1_000),
     ):
-        with pytest.raises(cm.ParameterError, match="strength_scatter is [tT]rue.*Lattice"):
+        with pytest.raises(cm.ParameterError, match=r"strength_scatter is [tT]rue.*Lattice"):
             make()

@@ -126,10 +126,10 @@ def test_a_loaded_lattice_is_no_start() -> None:
     lattice = cm.Lattice(5_000, scattered(0.05), STARTS["gap-graded"])
     law = cm.Resolved.from_lattice(lattice)
     lattice.load_to(1.0)
-    with pytest.raises(cm.ParameterError, match="lattice.*has been loaded"):
+    with pytest.raises(cm.ParameterError, match=r"lattice.*has been loaded"):
         cm.Resolved.from_lattice(lattice)
     lattice.remix()
-    with pytest.raises(cm.ParameterError, match="lattice.*has been loaded"):
+    with pytest.raises(cm.ParameterError, match=r"lattice.*has been loaded"):
         cm.Resolved.from_lattice(lattice)
     law.load_to(1.0)
     assert 0.04 < law.crushes < 0.08
