@@ -23,6 +23,7 @@ void register_gradings(py::module_& m);
 void register_stepping(py::module_& m);
 void register_sweeping(py::module_& m);
 void register_resolved(py::module_& m);
+void register_points(py::module_& m);
 void register_lattice(py::module_& m);
 
 /// Adds the defaults of a function's parameters to `_core.defaults`. Python reads them there, since the signature of a

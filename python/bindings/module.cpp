@@ -13,5 +13,6 @@ PYBIND11_MODULE(_core, m) {
     register_stepping(m);
     register_sweeping(m);
     register_resolved(m);
+    register_points(m);
     register_lattice(m);
 }

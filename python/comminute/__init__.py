@@ -84,6 +84,7 @@ from comminute.lattice.comparison import Comparison, compare
 from comminute.lattice.small_ring import SmallRing
 from comminute.lattices import Lattice, TimeSteppedLattice
 from comminute.opening import open_result
+from comminute.response import ResponseTable
 from comminute.result import Interrupted, LatticeResult, ResolvedResult, Result, run_again
 from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning
@@ -118,6 +119,7 @@ __all__ = [
     "Resolved",
     "ResolvedGrid",
     "ResolvedResult",
+    "ResponseTable",
     "Result",
     "Ridge",
     "ShapeError",

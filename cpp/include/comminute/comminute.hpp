@@ -18,6 +18,7 @@
 #include "comminute/resolved.hpp"
 #include "comminute/resolved_batch.hpp"
 #include "comminute/resolved_grid.hpp"
+#include "comminute/response_table.hpp"
 #include "comminute/scheme.hpp"
 #include "comminute/settle.hpp"
 #include "comminute/slow_update.hpp"

@@ -13,6 +13,7 @@ from comminute._core import Grading
 from comminute.gradings.breakage import EINAV_DIMENSION
 from comminute.gradings.curves import SizeCurve
 from comminute.gradings.indices import phi as phi_of
+from comminute.gradings.named import ALIASES, LABELS, named_index
 from comminute.plotting.style import LOAD_COLOURS, new_axes, size_label
 from comminute.runs.remarks import load_labels
 from comminute.runs.results import Floats, ResultData
@@ -233,26 +234,12 @@ def _load_label(result: ResultData) -> str:
 
 
 def _index_values(result: ResultData, index: str | Callable[[SizeCurve], float]) -> tuple[str, np.ndarray[Any, Any]]:
-    from comminute.gradings import breakage, indices  # noqa: PLC0415  (names that would hide arguments here)
-
-    start = result.start_curve
-    known: dict[str, tuple[str, Callable[[SizeCurve], float]]] = {
-        "Cu": ("Cu = D60 / D10", indices.uniformity),
-        "Cc": ("Cc = D30² / (D10 D60)", indices.curvature),
-        "B": ("breakage index B (Einav)", lambda curve: breakage.breakage_index(start, curve).index),
-        "Br": ("relative breakage (Hardin)", lambda curve: breakage.relative_breakage(start, curve)),
-    }
     if callable(index):
         label, make = getattr(index, "__name__", "index"), index
     elif index in ("crushes", "fines"):
         names = {"crushes": "mean number of crushes", "fines": "share in the fines bin"}
         return names[index], np.asarray(getattr(result, index))
-    elif index in known:
-        label, make = known[index]
-    elif index[:1] == "D" and index[1:].replace(".", "", 1).isdigit():
-        percent = float(index[1:])
-        label, make = size_label(index, result.unit), lambda curve: curve.percentile(percent)
     else:
-        rule = f"it must be a size such as D50, or one of {', '.join(known)}, crushes, fines"
-        raise parameter_error("index", f"'{index}'", rule)
+        make = named_index(index, result.start_curve)
+        label = LABELS.get(ALIASES.get(index, index)) or size_label(index.upper(), result.unit)
     return label, np.array([make(result.curve(k)) for k in range(result.stress_ratio.size)])

@@ -19,6 +19,7 @@ ROOMS = (
     "stepping",
     "sweeping",
     "resolved",
+    "points",
     "lattice",
 )
 # The witness must not share code with what it is to witness.
