@@ -45,8 +45,9 @@ class Writer {
     void reals(const std::vector<double>& values) {
         for (const double value : values) real(value);
     }
-    void raw(const unsigned char* from, std::size_t count) {
-        bytes_.insert(bytes_.end(), from, from + count);
+    template <class Range>
+    void raw(const Range& range) {
+        for (const unsigned char byte : range) bytes_.push_back(byte);
     }
     void text(const std::string& words) {
         number(words.size());
@@ -115,7 +116,7 @@ class Reader {
 
 std::vector<unsigned char> ResponseTable::to_bytes() const {
     Writer out;
-    out.raw(magic.data(), magic.size());
+    out.raw(magic);
     out.number(version);
     out.real(data_->grid.psi_min());
     out.real(data_->grid.psi_max());

@@ -65,7 +65,9 @@ std::vector<double> cdf_of(const ResponseTable& table, double load) {
 }  // namespace
 
 TEST_CASE("between its loads a table is the direct solve to its tolerance") {
-    for (const auto& [name, grading] : starts()) {
+    for (const Start& one : starts()) {
+        const std::string name = one.name;
+        const Grading& grading = one.grading;
         CAPTURE(name);
         Case c(grading);
         std::mt19937_64 random(5);
@@ -89,7 +91,9 @@ TEST_CASE("between its loads a table is the direct solve to its tolerance") {
 }
 
 TEST_CASE("what only rises in the model only rises in the table, on both sides of a jump") {
-    for (const auto& [name, grading] : starts()) {
+    for (const Start& one : starts()) {
+        const std::string name = one.name;
+        const Grading& grading = one.grading;
         CAPTURE(name);
         const Case c(grading, {1e-3, 4000});
         std::vector<double> before(at(c.table.grid().bins()), -1.0);
@@ -109,7 +113,9 @@ TEST_CASE("what only rises in the model only rises in the table, on both sides o
 }
 
 TEST_CASE("derivatives are the slopes of the values") {
-    for (const auto& [name, grading] : starts()) {
+    for (const Start& one : starts()) {
+        const std::string name = one.name;
+        const Grading& grading = one.grading;
         CAPTURE(name);
         const Case c(grading);
         const std::vector<double> loads = c.table.stress_ratios();
@@ -139,7 +145,9 @@ TEST_CASE("derivatives are the slopes of the values") {
 }
 
 TEST_CASE("percentiles are those of the interpolated curve") {
-    for (const auto& [name, grading] : starts()) {
+    for (const Start& one : starts()) {
+        const std::string name = one.name;
+        const Grading& grading = one.grading;
         CAPTURE(name);
         const Case c(grading);
         for (const double load : {0.0, 0.3, 1.0, 1.7, 12.0, 900.0, most}) {
