@@ -37,10 +37,13 @@ class StackView {
 
 /// Many states and the load of each, such as the material points of a host code.
 struct Batch {
-    StackView<const double> states;         ///< (B, N, N)
+    StackView<const double> states;         ///< (B, N, N); with a stride of 0 all points share one state
     VectorView<const double> stress_ratio;  ///< (B)
     /// (B) load under which each state is at rest, 0 for one that was never loaded; empty if none ever was
     VectorView<const double> settled_at;
+    /// (B) size that no grain of the state exceeds, which Fabric::largest() is for a fabric, 0 where it is not known; empty
+    /// if it is known of none
+    VectorView<const double> largest = {nullptr, 0};
 };
 
 /// Each state of a batch ends as one of these.

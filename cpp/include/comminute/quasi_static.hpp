@@ -100,14 +100,16 @@ class COMMINUTE_API QuasiStatic {
     /// @param state       (N, N), entries in the zone must be finite and at least 0 (-1e-12 for rounding)
     /// @param settled_at  load under which it is at rest; none for a state that was never loaded
     /// @param out         (N, N) state at rest; may be `state` itself
-    /// @throws ShapeError for other shapes or a partial overlap; ParameterError for a bad load, an entry in the
-    ///         zone that is no mass, or masses whose sum overflows; after the last, `out` has no meaning
+    /// @param largest     size that no grain exceeds, which Fabric::largest() is for a fabric; 0 where it is not known
+    /// @throws ShapeError for other shapes or a partial overlap; ParameterError for a bad load or largest size, an entry
+    ///         in the zone that is no mass, or masses whose sum overflows; after the last, `out` has no meaning
     SolveReport solve(MatrixView<const double> state, double stress_ratio, std::optional<double> settled_at,
-                      MatrixView<double> out);
+                      MatrixView<double> out, double largest = 0.0);
     /// The grading at rest for a bare array.
     /// @param grainsize  (N) out: mass by grainsize
     SolveReport marginal(MatrixView<const double> state, double stress_ratio,
-                         std::optional<double> settled_at, VectorView<double> grainsize);
+                         std::optional<double> settled_at, VectorView<double> grainsize,
+                         double largest = 0.0);
 
   private:
     struct Work;

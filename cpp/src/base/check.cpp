@@ -35,6 +35,11 @@ void require_whole(double total, const char* name) {
                           .remedy = Remedy::normalise});
 }
 
+void require_largest(double largest) {
+    require(largest >= 0.0 && std::isfinite(largest), "largest", largest,
+            "a size, or 0 where it is not known");
+}
+
 void refuse_not_finite(double value, Place at, const char* rule) {
     throw ParameterError(
         {.parameter = at.name, .value = text(value), .number = value, .rule = rule, .place = {at}});

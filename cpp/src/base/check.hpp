@@ -29,6 +29,9 @@ inline bool is_share(double value) {
 /// Throws ParameterError unless the total is 1, as near as sums of shares come.
 void require_whole(double total, const char* name);
 
+/// Throws ParameterError unless the value can be the size that no grain exceeds.
+void require_largest(double largest);
+
 inline constexpr const char* finite = "every entry must be finite";
 inline constexpr const char* finite_in_zone = "every entry inside the crush zone must be finite";
 

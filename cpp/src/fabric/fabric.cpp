@@ -85,8 +85,7 @@ Array<double> checked_rows(const std::vector<double>& probability, Index bins) {
 FabricParts checked(FabricParts parts) {
     const Index bins = parts.grid.bins();
     if (parts.settled_at) require_stress_ratio(*parts.settled_at);
-    require(parts.largest >= 0.0 && std::isfinite(parts.largest), "largest", parts.largest,
-            "a size, or 0 where it is not known");
+    require_largest(parts.largest);
     Array<double> rows = checked_rows(parts.probability, bins);
     double total = std::accumulate(rows.begin(), rows.end(), 0.0);
     total += checked_total(parts.grid, parts.atoms) + checked_total(parts.grid, parts.ridges);

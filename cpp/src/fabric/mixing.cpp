@@ -130,8 +130,7 @@ Fabric mixed_fabric(const LogGrid& grid, std::vector<double> grainsize, Mean mea
         total += points[a].mass;
     }
     require_whole(total, points.empty() ? "grainsize" : "grainsize with its points");
-    require(largest >= 0.0 && std::isfinite(largest), "largest", largest,
-            "a size, or 0 where it is not known");
+    require_largest(largest);
     std::vector<double> neighbours = neighbourhood_pmf(grid, grainsize, mean);
     if (!points.empty()) {
         points = resolved(grid, points, grainsize);

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "base/arrays.hpp"
@@ -29,6 +30,10 @@ constexpr Index states_at_a_time =
 std::optional<double> settled_at(const Batch& batch, Index b) {
     if (batch.settled_at.size() == 0) return std::nullopt;
     return batch.settled_at[b];
+}
+
+double largest_of(const Batch& batch, Index b) {
+    return batch.largest.size() == 0 ? 0.0 : batch.largest[b];
 }
 
 bool moves(const Batch& batch, Index b) {
@@ -87,7 +92,7 @@ void require_stack(StackView<T> stack, Index count, Index bins, const char* name
                         shape_text(stack.bins(), stack.bins()),
              .rule = "it must hold " + std::to_string(count) + " of shape " + shape_text(bins, bins)});
     }
-    if (stack.stride() >= bins * bins) return;
+    if (stack.stride() >= bins * bins || (std::is_const_v<T> && stack.stride() == 0)) return;
     throw ShapeError({.parameter = name,
                       .value = std::to_string(stack.stride()),
                       .number = static_cast<double>(stack.stride()),
@@ -117,7 +122,7 @@ class ZoneCheck {
         // Zones are nested, so a state that passes in the largest zone passes in its own.
         if (!moves(batch_, b) || !first_bad_mass(batch_.states[b], largest_)) return std::nullopt;
         ActiveBand own = largest_;
-        own.set_load(batch_.stress_ratio[b]);
+        own.set_load(batch_.stress_ratio[b], largest_of(batch_, b));
         return first_bad_mass(batch_.states[b], own);
     }
 
@@ -126,14 +131,15 @@ class ZoneCheck {
     ActiveBand largest_;
 };
 
-// Order of the states by their loads, before and after: those with the same two use the same zones, which cost as much as
+// Order of the states by their loads, before and after, and the size that no grain exceeds: those with the same three use the same zones, which cost as much as
 // a small sweep.
 Array<Index> by_load(const Batch& batch) {
     Array<Index> order(batch.states.count());
     std::iota(order.begin(), order.end(), Index{0});
     const auto comparable = [](double load) { return is_load(load) ? load : -1.0; };
     const auto loads = [&](Index b) {
-        return std::pair(comparable(batch.stress_ratio[b]), comparable(settled_at(batch, b).value_or(0.0)));
+        return std::tuple(comparable(batch.stress_ratio[b]), comparable(settled_at(batch, b).value_or(0.0)),
+                          largest_of(batch, b));
     };
     std::stable_sort(order.begin(), order.end(), [&](Index a, Index b) { return loads(a) < loads(b); });
     return order;
@@ -155,7 +161,8 @@ bool BatchSolver::solve(const Batch& batch, StackView<double> out, const BatchOu
     return run(
         batch, outcome, options,
         [&](QuasiStatic& worker, Index b) {
-            return worker.solve(batch.states[b], batch.stress_ratio[b], settled_at(batch, b), out[b]);
+            return worker.solve(batch.states[b], batch.stress_ratio[b], settled_at(batch, b), out[b],
+                                largest_of(batch, b));
         },
         [&](Index b) {
             if (out[b].data() != batch.states[b].data())
@@ -182,7 +189,8 @@ bool BatchSolver::marginal(const Batch& batch, MatrixView<double> grainsize, con
         batch, outcome, options,
         [&](QuasiStatic& worker, Index b) {
             const VectorView<double> to(grainsize.row(b), bins);
-            return worker.marginal(batch.states[b], batch.stress_ratio[b], settled_at(batch, b), to);
+            return worker.marginal(batch.states[b], batch.stress_ratio[b], settled_at(batch, b), to,
+                                   largest_of(batch, b));
         },
         [&](Index b) { std::fill_n(grainsize.row(b), bins, std::numeric_limits<double>::quiet_NaN()); });
 }
@@ -194,6 +202,8 @@ void BatchSolver::require_fit(const Batch& batch, const BatchOutcome& outcome,
     require_stack(batch.states, count, solver().grid().bins(), "states");
     require_count(batch.stress_ratio.size(), count, "stress_ratio");
     if (batch.settled_at.size() > 0) require_count(batch.settled_at.size(), count, "settled_at");
+    if (batch.largest.size() > 0) require_count(batch.largest.size(), count, "largest");
+    for (Index b = 0; b < batch.largest.size(); ++b) require_largest(batch.largest[b]);
     if (outcome.settled_at.size() > 0)
         require_count(outcome.settled_at.size(), count, "settled_at of the outcome");
     if (outcome.reports.size() > 0) require_count(outcome.reports.size(), count, "reports");

@@ -236,33 +236,36 @@ Marginal QuasiStatic::marginal(const Fabric& given, double stress_ratio) {
 }
 
 SolveReport QuasiStatic::solve(MatrixView<const double> state, double stress_ratio,
-                               std::optional<double> settled_at, MatrixView<double> out) {
+                               std::optional<double> settled_at, MatrixView<double> out, double largest) {
     require_square(state, grid().bins(), "state");
     require_square(out, grid().bins(), "out");
     require_same_or_apart(state, out);
     require_stress_ratio(stress_ratio);
     if (settled_at) require_stress_ratio(*settled_at);
+    require_largest(largest);
     if (settled_at && stress_ratio <= *settled_at) {
         for (Index i = 0; i < grid().bins() && out.data() != state.data(); ++i) {
             std::copy_n(state.row(i), grid().bins(), out.row(i));
         }
         return {};
     }
-    work_->set_loads(settled_at, stress_ratio, 0.0);
+    work_->set_loads(settled_at, stress_ratio, largest);
     work_->require_masses(state);
     return work_->settle(state, {}, nullptr, &out);
 }
 
 SolveReport QuasiStatic::marginal(MatrixView<const double> state, double stress_ratio,
-                                  std::optional<double> settled_at, VectorView<double> grainsize) {
+                                  std::optional<double> settled_at, VectorView<double> grainsize,
+                                  double largest) {
     require_square(state, grid().bins(), "state");
     require_stress_ratio(stress_ratio);
     if (settled_at) require_stress_ratio(*settled_at);
+    require_largest(largest);
     require_bins(grainsize.size(), grid().bins(), entry("grainsize"));
     std::vector<double> rows = row_sums(state);
     SolveReport report;
     if (!settled_at || stress_ratio > *settled_at) {
-        work_->set_loads(settled_at, stress_ratio, 0.0);
+        work_->set_loads(settled_at, stress_ratio, largest);
         work_->require_masses(state);
         report = work_->settle(state, {}, &rows, nullptr);
     }

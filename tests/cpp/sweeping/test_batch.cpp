@@ -345,3 +345,38 @@ TEST_CASE("a copied solver goes its own way") {
     first.solve(points.view()[q], 50.0, std::nullopt, {found.data(), bins, bins});
     CHECK(found == expected);
 }
+
+TEST_CASE("many loads of one state that all points share are those of a fabric, up to its largest grain") {
+    const LogGrid inside_a_bin(-3.0, 0.5, bins);  // the largest grain lies inside a bin
+    const comminute::Fabric start =
+        comminute::mixed_fabric(comminute::power_law(2.5, 0.05, 1.0), inside_a_bin);
+    const std::vector<double> load{1.02, 3.0, 200.0};
+    const std::vector<double> largest(3, start.largest());
+    std::vector<double> settled_at(3);
+    std::vector<double> states(at(3 * size));
+    BatchSolver solver(QuasiStatic(inside_a_bin, comminute::Material{}));
+    const StackView<const double> shared(start.probability().data(), 3, bins, 0);
+    solver.solve({shared, load, {nullptr, 0}, largest}, {states.data(), 3, bins}, {settled_at});
+    QuasiStatic single(inside_a_bin, comminute::Material{});
+    for (Index b = 0; b < 3; ++b) {
+        const comminute::Fabric after = single.solve(start, load[at(b)]);
+        CHECK(std::equal(states.begin() + b * size, states.begin() + (b + 1) * size,
+                         after.probability().data()));
+    }
+    // Without the size of the largest grain the cells of its bin are taken to be full.
+    std::vector<double> full(at(3 * size));
+    solver.solve({shared, load, {nullptr, 0}}, {full.data(), 3, bins}, {settled_at});
+    CHECK(full != states);
+}
+
+TEST_CASE("a size that no grain exceeds is a size") {
+    Points points(3);
+    std::vector<double> largest(at(count), 1.0);
+    largest[at(5)] = -1.0;
+    BatchSolver solver(QuasiStatic(grid, comminute::Material{}));
+    Batch batch = points.batch();
+    batch.largest = largest;
+    CHECK_THROWS_AS(solver.solve(batch, points.view(), points.outcome()), ParameterError);
+    batch.largest = {largest.data(), 3};
+    CHECK_THROWS_AS(solver.solve(batch, points.view(), points.outcome()), ShapeError);
+}
