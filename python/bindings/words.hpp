@@ -63,11 +63,12 @@ struct Words<comminute::StressKind> {
 template <>
 struct Words<comminute::SolvePath> {
     static constexpr const char* parameter = "path";
-    static constexpr std::array<std::pair<const char*, comminute::SolvePath>, 5> list{
+    static constexpr std::array<std::pair<const char*, comminute::SolvePath>, 6> list{
         {{"automatic", comminute::SolvePath::automatic},
          {"direct", comminute::SolvePath::direct},
          {"sums", comminute::SolvePath::sums},
          {"blend", comminute::SolvePath::blend},
+         {"narrow", comminute::SolvePath::narrow},
          {"none", comminute::SolvePath::none}}};
 };
 

@@ -125,15 +125,14 @@ class COMMINUTE_API BatchSolver {
     const std::map<Index, Fault>& faults() const { return faults_; }
 
   private:
-    using Work = std::function<void(QuasiStatic& worker, Index turn)>;
-    using Solve = std::function<SolveReport(QuasiStatic& worker, Index b)>;
-    using LeaveAlone = std::function<void(Index b)>;
+    struct Run;
+    using Work = std::function<void(QuasiStatic& worker, Index begin, Index end)>;
 
     void require_fit(const Batch& batch, const BatchOutcome& outcome, const BatchOptions& options) const;
-    bool run(const Batch& batch, const BatchOutcome& outcome, const BatchOptions& options, const Solve& solve,
-             const LeaveAlone& leave_alone);
+    bool run(const Run& run, const BatchOptions& options);
+    void solve_some(QuasiStatic& worker, const Run& run, VectorView<const Index> states);
     bool refuse_bad(const Batch& batch, const BatchOptions& options);
-    bool for_each_state(Index count, const BatchOptions& options, const Work& work);
+    bool for_each_block(Index count, const BatchOptions& options, const Work& work);
 
     std::vector<QuasiStatic> workers_;
     std::map<Index, Fault> faults_;

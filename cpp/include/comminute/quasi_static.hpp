@@ -14,10 +14,11 @@ namespace comminute {
 
 /// Ways in which a solve adds up the fragments.
 enum class SolvePath {
-    automatic,  ///< the cheaper of the next two for this law and this zone
+    automatic,  ///< the cheapest for this law and this zone
     direct,     ///< bin by bin along the zone's width
     sums,       ///< running sums of the law's exponential sum, for reductions beyond its head
     blend,      ///< only reported: bin by bin over the whole state, the path of a loading rate above 0
+    narrow,     ///< only reported: cell by cell in a zone of a few bins, many problems side by side
     none,       ///< only reported: nothing had to move
 };
 
@@ -95,6 +96,9 @@ class COMMINUTE_API QuasiStatic {
 
     /// The grading at rest, without the state. Without a loading rate it reads only the zone's band of the state.
     Marginal marginal(const Fabric& state, double stress_ratio);
+    /// The grading under each of many loads, as marginal() gives it one by one; narrow zones are swept side by side.
+    /// @param stress_ratios  in any order: each is applied to `state` itself
+    std::vector<Marginal> marginals(const Fabric& state, VectorView<const double> stress_ratios);
 
     /// Solves for a bare array, without point masses.
     /// @param state       (N, N), entries in the zone must be finite and at least 0 (-1e-12 for rounding)
@@ -112,6 +116,7 @@ class COMMINUTE_API QuasiStatic {
                          double largest = 0.0);
 
   private:
+    friend class BatchSolver;
     struct Work;
     std::unique_ptr<Work> work_;
 };

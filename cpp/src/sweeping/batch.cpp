@@ -15,7 +15,9 @@
 #include "base/arrays.hpp"
 #include "base/check.hpp"
 #include "base/workers.hpp"
+#include "sweeping/marginal.hpp"
 #include "sweeping/mass_check.hpp"
+#include "sweeping/solver_work.hpp"
 #include "zones/active_band.hpp"
 
 namespace comminute {
@@ -151,6 +153,33 @@ BatchSolver::BatchSolver(QuasiStatic solver) {
     workers_.push_back(std::move(solver));
 }
 
+/// What a batch is given and where its results go.
+struct BatchSolver::Run {
+    const Batch& batch;
+    const BatchOutcome& outcome;
+    StackView<double>* states;     // null where gradings are wanted
+    MatrixView<double>* gradings;  // null where states are wanted
+    std::mutex* of_faults;
+
+    bool one_by_one() const { return outcome.status.size() > 0; }
+
+    // The outcome of a state that is not solved.
+    void leave_alone(Index b) const {
+        const Index bins = batch.states.bins();
+        if (gradings != nullptr) {
+            std::fill_n(gradings->row(b), bins, std::numeric_limits<double>::quiet_NaN());
+        } else if ((*states)[b].data() != batch.states[b].data()) {
+            std::copy_n(batch.states[b].data(), bins * bins, (*states)[b].data());
+        }
+        finish(b, settled_at(batch, b).value_or(0.0), {});
+    }
+    void finish(Index b, double settled, const SolveReport& report) const {
+        if (outcome.settled_at.size() > 0) outcome.settled_at[b] = settled;
+        if (outcome.reports.size() > 0) outcome.reports[b] = report;
+        if (one_by_one()) outcome.status[b] = StateStatus::at_rest;
+    }
+};
+
 bool BatchSolver::solve(const Batch& batch, StackView<double> out, const BatchOutcome& outcome,
                         const BatchOptions& options) {
     const Index bins = solver().grid().bins();
@@ -158,16 +187,8 @@ bool BatchSolver::solve(const Batch& batch, StackView<double> out, const BatchOu
     require_count(outcome.settled_at.size(), batch.states.count(), "settled_at of the outcome");
     require_stack(out, batch.states.count(), bins, "out");
     if (out.count() > 0) require_same_or_apart(by_state(batch.states), by_state(out));
-    return run(
-        batch, outcome, options,
-        [&](QuasiStatic& worker, Index b) {
-            return worker.solve(batch.states[b], batch.stress_ratio[b], settled_at(batch, b), out[b],
-                                largest_of(batch, b));
-        },
-        [&](Index b) {
-            if (out[b].data() != batch.states[b].data())
-                std::copy_n(batch.states[b].data(), bins * bins, out[b].data());
-        });
+    std::mutex of_faults;
+    return run({batch, outcome, &out, nullptr, &of_faults}, options);
 }
 
 bool BatchSolver::marginal(const Batch& batch, MatrixView<double> grainsize, const BatchOutcome& outcome,
@@ -185,14 +206,8 @@ bool BatchSolver::marginal(const Batch& batch, MatrixView<double> grainsize, con
         throw ShapeError(
             {.parameter = "grainsize", .finding = "overlaps the states", .remedy = Remedy::use_own_memory});
     }
-    return run(
-        batch, outcome, options,
-        [&](QuasiStatic& worker, Index b) {
-            const VectorView<double> to(grainsize.row(b), bins);
-            return worker.marginal(batch.states[b], batch.stress_ratio[b], settled_at(batch, b), to,
-                                   largest_of(batch, b));
-        },
-        [&](Index b) { std::fill_n(grainsize.row(b), bins, std::numeric_limits<double>::quiet_NaN()); });
+    std::mutex of_faults;
+    return run({batch, outcome, nullptr, &grainsize, &of_faults}, options);
 }
 
 void BatchSolver::require_fit(const Batch& batch, const BatchOutcome& outcome,
@@ -216,10 +231,12 @@ bool BatchSolver::refuse_bad(const Batch& batch, const BatchOptions& options) {
     const Index count = batch.states.count();
     const ZoneCheck check(solver(), batch);
     std::atomic<Index> refused{count};
-    const bool looked = for_each_state(count, options, [&](QuasiStatic&, Index b) {
-        if (!check.first_bad(b)) return;
-        Index first = refused;
-        while (b < first && !refused.compare_exchange_weak(first, b)) {
+    const bool looked = for_each_block(count, options, [&](QuasiStatic&, Index begin, Index end) {
+        for (Index b = begin; b < end; ++b) {
+            if (!check.first_bad(b)) continue;
+            Index first = refused;
+            while (b < first && !refused.compare_exchange_weak(first, b)) {
+            }
         }
     });
     if (const Index b = refused; b < count) {
@@ -229,39 +246,66 @@ bool BatchSolver::refuse_bad(const Batch& batch, const BatchOptions& options) {
     return looked;
 }
 
-bool BatchSolver::run(const Batch& batch, const BatchOutcome& outcome, const BatchOptions& options,
-                      const Solve& solve, const LeaveAlone& leave_alone) {
-    const bool one_by_one = outcome.status.size() > 0;
+bool BatchSolver::run(const Run& run, const BatchOptions& options) {
     faults_.clear();
-    std::fill(outcome.status.begin(), outcome.status.end(), StateStatus::waiting);
-    if (!one_by_one && !refuse_bad(batch, options)) return false;
-    std::mutex of_faults;
-    const Array<Index> order = by_load(batch);
-    return for_each_state(batch.states.count(), options, [&](QuasiStatic& worker, Index turn) {
-        const Index b = order[turn];
-        const double settled = settled_at(batch, b).value_or(0.0);
-        if (std::optional<Bad> bad = one_by_one ? bad_of(batch, b) : std::nullopt) {
-            leave_alone(b);
-            if (outcome.settled_at.size() > 0) outcome.settled_at[b] = settled;
-            if (outcome.reports.size() > 0) outcome.reports[b] = {};
-            outcome.status[b] = bad->status;
-            const std::lock_guard lock(of_faults);
+    std::fill(run.outcome.status.begin(), run.outcome.status.end(), StateStatus::waiting);
+    if (!run.one_by_one() && !refuse_bad(run.batch, options)) return false;
+    const Array<Index> order = by_load(run.batch);
+    return for_each_block(run.batch.states.count(), options,
+                          [&](QuasiStatic& worker, Index begin, Index end) {
+                              solve_some(worker, run, {order.data() + begin, end - begin});
+                          });
+}
+
+void BatchSolver::solve_some(QuasiStatic& worker, const Run& run, VectorView<const Index> states) {
+    const Batch& batch = run.batch;
+    const Index bins = batch.states.bins();
+    const Arrivals none;
+    std::vector<Task> tasks;
+    std::vector<Index> of;
+    std::vector<MatrixView<double>> out;
+    std::vector<std::vector<double>> gradings;
+    out.reserve(static_cast<std::size_t>(states.size()));
+    gradings.reserve(static_cast<std::size_t>(states.size()));
+    for (const Index b : states) {
+        if (std::optional<Bad> bad = run.one_by_one() ? bad_of(batch, b) : std::nullopt) {
+            run.leave_alone(b);
+            run.outcome.status[b] = bad->status;
+            const std::lock_guard lock(*run.of_faults);
             faults_.emplace(b, std::move(bad->fault));
-            return;
+            continue;
         }
+        const double settled = settled_at(batch, b).value_or(0.0);
+        if (run.gradings != nullptr) gradings.push_back(row_sums(batch.states[b]));
+        if (!moves(batch, b)) {
+            run.leave_alone(b);
+            if (run.gradings != nullptr) std::copy_n(gradings.back().begin(), bins, run.gradings->row(b));
+            continue;
+        }
+        if (run.states != nullptr) out.push_back((*run.states)[b]);
+        of.push_back(b);
+        tasks.push_back({{settled, batch.stress_ratio[b], largest_of(batch, b)},
+                         batch.states[b],
+                         &none,
+                         run.gradings != nullptr ? &gradings.back() : nullptr,
+                         run.states != nullptr ? &out.back() : nullptr,
+                         {}});
+    }
+    worker.work_->settle(tasks);
+    for (std::size_t k = 0; k < tasks.size(); ++k) {
+        const Index b = of[k];
         try {
-            const SolveReport report = solve(worker, b);
-            if (outcome.reports.size() > 0) outcome.reports[b] = report;
+            require_finite_sum(tasks[k].report);
         } catch (const ParameterError& error) {
             throw ParameterError(within(entry("states", {b}), error.fault()));
         }
-        if (outcome.settled_at.size() > 0) outcome.settled_at[b] = std::max(settled, batch.stress_ratio[b]);
-        if (one_by_one) outcome.status[b] = StateStatus::at_rest;
-    });
+        if (run.gradings != nullptr) std::copy_n(tasks[k].grading->begin(), bins, run.gradings->row(b));
+        run.finish(b, tasks[k].loads.stress_ratio, tasks[k].report);
+    }
 }
 
 // Threads fetch blocks of states when they are free, since states under a large load take longer.
-bool BatchSolver::for_each_state(Index count, const BatchOptions& options, const Work& work) {
+bool BatchSolver::for_each_block(Index count, const BatchOptions& options, const Work& work) {
     const Index blocks = (count + states_at_a_time - 1) / states_at_a_time;
     const auto threads = static_cast<std::size_t>(std::clamp<Index>(blocks, 1, options.threads));
     while (workers_.size() < threads) workers_.push_back(workers_.front());
@@ -273,7 +317,7 @@ bool BatchSolver::for_each_state(Index count, const BatchOptions& options, const
             for (Index begin = 0; (begin = states_at_a_time * next++) < count;) {
                 if (!ask()) return;
                 const Index end = std::min(begin + states_at_a_time, count);
-                for (Index b = begin; b < end; ++b) work(workers_[thread], b);
+                work(workers_[thread], begin, end);
                 done += end - begin;
             }
         },

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Shares of the cells of a narrow band that move (docs/theory/one_sweep.md, sections 4 and 14).
+#pragma once
+
+#include <algorithm>
+
+#include "base/arrays.hpp"
+#include "zones/active_band.hpp"
+
+namespace comminute::detail {
+
+/// Largest distance |i - j| in a band that is swept cell by cell, several problems side by side. In wider ones the cells
+/// of an arm fill registers, and running sums do with fewer operations. By measurement.
+inline constexpr Index widest_narrow_band = 8;
+
+/// The zones before and after a load, and the shares of every cell that moves when the one grows to the other.
+class ZonePair {
+  public:
+    ZonePair(const LogGrid& grid, const Material& material, Scheme scheme);
+
+    /// Moves to other loads; costs nothing where they are the same.
+    /// @param settled_at  load under which the state is at rest; 0: none
+    /// @param largest     size that no grain exceeds; 0 where it is not known
+    void set(double settled_at, double stress_ratio, double largest);
+    bool is(double settled_at, double stress_ratio, double largest) const {
+        return settled_at == settled_at_ && stress_ratio == stress_ratio_ && largest == largest_;
+    }
+
+    const ActiveBand& before() const { return before_; }
+    const ActiveBand& after() const { return after_; }
+    /// Largest distance at which mass of shell m moves; -1 where none does. Zones are nested but for rounding.
+    Index last(Index m) const { return std::min(std::max(before_.last(m), after_.last(m)), m); }
+    /// The largest in any shell.
+    Index width() const { return width_; }
+    bool narrow() const { return width_ <= widest_narrow_band; }
+
+    /// (N, max(width, 0) + 1) shares that move of the mass in each cell, by shell and distance. Of a narrow band alone.
+    const double* settled() const { return settled_.data(); }
+    /// (N, max(width, 0) + 1) shares that move on of the mass that lands in each cell.
+    const double* arrived() const { return arrived_.data(); }
+
+  private:
+    void set_shares();
+
+    Index bins_;
+    ActiveBand before_;
+    ActiveBand after_;
+    double settled_at_ = 0.0;
+    double stress_ratio_ = 0.0;
+    double largest_ = 0.0;
+    Index width_ = -1;
+    Array<double> settled_;
+    Array<double> arrived_;
+};
+
+}  // namespace comminute::detail
