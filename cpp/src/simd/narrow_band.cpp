@@ -133,74 +133,110 @@ void sweep_narrow(const NarrowBand& band) {
     for (Index first = 0; first < lanes; first += width) NarrowShells<lanes>(band, first).sweep();
 }
 
-// Row i of one problem's state before and after.
-struct NarrowRow {
-    const NarrowLanding& lines;
-    Index i;
-    const double* before;
-    double* after;
-
-    // Mass along the line of this row from the cell at distance e.
-    HWY_INLINE double along(Index e) const { return lines.along[e * lines.stride + i]; }
-    HWY_INLINE Index farthest() const { return std::min(lines.width, lines.bins - 1 - i); }
-    template <class D>
-    HWY_INLINE void land(D d, Index j, hn::Vec<D> landed) const {
-        const NarrowProducts& from = lines.landing;
-        for (Index q = 0; q < from.products; ++q) {
-            landed = hn::MulAdd(hn::Set(d, from.psi[q * lines.bins + i]),
-                                hn::LoadU(d, from.psibar + q * lines.bins + j), landed);
-        }
-        hn::StoreU(hn::Add(hn::LoadU(d, before + j), landed), d, after + j);
+// Row i of one problem's state before and after. `Cells` is W + 1, so that the mass along the row stays in registers.
+template <Index Cells>
+class NarrowRow {
+  public:
+    HWY_INLINE NarrowRow(const NarrowLanding& lines, Index i, const double* before, double* after)
+        : lines_(lines), i_(i), before_(before), after_(after) {
+        for (Index e = 0; e < Cells; ++e) along_[e] = lines.along[e * lines.stride + i];
     }
+
+    // Whole registers overwrite cells of the band, which are not wanted here.
+    template <class D>
+    HWY_INLINE void operator()(D d, Index j) const {
+        const auto columns = static_cast<Index>(hn::MaxLanes(d));
+        const bool left = j < i_;
+        const bool right = j + columns > i_ + Cells;
+        if (left && right) {
+            const auto column = hn::Iota(d, static_cast<double>(j));
+            const auto in_left = hn::Lt(column, hn::Set(d, static_cast<double>(i_)));
+            put(d, j, hn::IfThenElse(in_left, landed_left(d, j), landed_right(d, j)));
+        } else if (left) {
+            put(d, j, landed_left(d, j));
+        } else if (right) {
+            put(d, j, landed_right(d, j));
+        }
+    }
+
+    // The cell in column 0, where the line of the row lands all that falls below the grid.
+    HWY_INLINE void land_in_fines(double before) const {
+        constexpr Tag<1> d{};
+        auto landed = hn::Zero(d);
+        for (Index e = Cells - 1; e >= 0; --e) {
+            landed = hn::MulAdd(hn::Set(d, along_[e]), hn::Set(d, lines_.below[i_ + e]), landed);
+        }
+        hn::StoreU(hn::Add(hn::Set(d, before), with_products(d, 0, landed)), d, after_);
+    }
+
+  private:
+    // All cells left of the band lie on the line of the row.
+    template <class D>
+    HWY_INLINE hn::Vec<D> landed_left(D d, Index j) const {
+        const double* const share = lines_.mass_upwards + lines_.bins - 1 - i_ + j;
+        auto landed = hn::Zero(d);
+        for (Index e = Cells - 1; e >= 0; --e) {
+            landed = hn::MulAdd(hn::Set(d, along_[e]), hn::LoadU(d, share - e), landed);
+        }
+        return landed;
+    }
+
+    // Cells right of the band have a column's line each.
+    template <class D>
+    HWY_INLINE hn::Vec<D> landed_right(D d, Index j) const {
+        const double* const share = i_ > 0 ? lines_.mass + (j - i_) : lines_.below + j;
+        auto landed = hn::Zero(d);
+        for (Index e = Cells - 1; e >= 0; --e) {
+            landed = hn::MulAdd(hn::LoadU(d, lines_.down + e * lines_.stride + j), hn::LoadU(d, share + e),
+                                landed);
+        }
+        return landed;
+    }
+
+    template <class D>
+    HWY_INLINE hn::Vec<D> with_products(D d, Index j, hn::Vec<D> landed) const {
+        const NarrowProducts& from = lines_.landing;
+        for (Index q = 0; q < from.products; ++q) {
+            landed = hn::MulAdd(hn::Set(d, from.psi[q * lines_.bins + i_]),
+                                hn::LoadU(d, from.psibar + q * lines_.bins + j), landed);
+        }
+        return landed;
+    }
+
+    template <class D>
+    HWY_INLINE void put(D d, Index j, hn::Vec<D> landed) const {
+        hn::StoreU(hn::Add(hn::LoadU(d, before_ + j), with_products(d, j, landed)), d, after_ + j);
+    }
+
+    const NarrowLanding& lines_;
+    Index i_;
+    const double* before_;
+    double* after_;
+    double along_[Cells];
 };
 
-// The cell in column 0, where the line of a row lands all that falls below the grid.
-HWY_INLINE void land_in_fines(const NarrowRow& row) {
-    constexpr Tag<1> d{};
-    auto landed = hn::Zero(d);
-    for (Index e = row.farthest(); e >= 0; --e) {
-        landed = hn::MulAdd(hn::Set(d, row.along(e)), hn::Set(d, row.lines.below[row.i + e]), landed);
+template <Index Cells>
+HWY_INLINE void land_rows(const NarrowLanding& lines, MatrixView<const double> state,
+                          MatrixView<double> out) {
+    for (Index i = 0; i < lines.bins; ++i) {
+        const NarrowRow<Cells> row(lines, i, state.row(i), out.row(i));
+        const double in_fines = state(i, 0);
+        for_each_register(row, 0, lines.bins);
+        if (i >= Cells) row.land_in_fines(in_fines);
     }
-    row.land(d, 0, landed);
 }
 
-// Cells left of the band, all of which the line of the row feeds.
-struct LandLeft {
-    NarrowRow row;
-    template <class D>
-    HWY_INLINE void operator()(D d, Index j) const {
-        const double* const share = row.lines.mass_upwards + row.lines.bins - 1 - row.i + j;
-        auto landed = hn::Zero(d);
-        for (Index e = row.farthest(); e >= 0; --e) {
-            landed = hn::MulAdd(hn::Set(d, row.along(e)), hn::LoadU(d, share - e), landed);
-        }
-        row.land(d, j, landed);
+template <Index Cells = 1>
+HWY_INLINE void land_outside_of(const NarrowLanding& lines, MatrixView<const double> state,
+                                MatrixView<double> out) {
+    if constexpr (Cells <= widest_narrow_band + 1) {
+        if (lines.width + 1 == Cells) return land_rows<Cells>(lines, state, out);
+        land_outside_of<Cells + 1>(lines, state, out);
     }
-};
-
-// Cells right of the band, each of which has a column's line of its own.
-struct LandRight {
-    NarrowRow row;
-    template <class D>
-    HWY_INLINE void operator()(D d, Index j) const {
-        const NarrowLanding& lines = row.lines;
-        const double* const share = row.i > 0 ? lines.mass + (j - row.i) : lines.below + j;
-        auto landed = hn::Zero(d);
-        for (Index e = lines.width; e >= 0; --e) {
-            landed =
-                hn::MulAdd(hn::LoadU(d, lines.down + e * lines.stride + j), hn::LoadU(d, share + e), landed);
-        }
-        row.land(d, j, landed);
-    }
-};
+}
 
 void land_outside(const NarrowLanding& lines, MatrixView<const double> state, MatrixView<double> out) {
-    for (Index i = 0; i < lines.bins; ++i) {
-        const NarrowRow row{lines, i, state.row(i), out.row(i)};
-        if (i > lines.width) land_in_fines(row);
-        for_each_register(LandLeft{row}, 1, i - lines.width);
-        for_each_register(LandRight{row}, i + lines.width + 1, lines.bins);
-    }
+    land_outside_of(lines, state, out);
 }
 
 template <Index Problems>

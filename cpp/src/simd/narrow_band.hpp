@@ -8,6 +8,12 @@ namespace comminute::detail {
 // Loops of the sweep over a narrow band, in which several problems lie side by side: number p of `problems`, which is 1 or
 // `lanes`, comes last in every array. No problem's numbers depend on those beside it, nor on how many there are.
 
+/// Largest distance |i - j| in a band that is swept cell by cell. In wider ones the cells of an arm fill registers, and
+/// running sums do with fewer operations. By measurement.
+inline constexpr Index widest_narrow_band = 10;
+/// Numbers before and after a table of shares by distance that may be read, and are not used.
+inline constexpr Index narrow_margin = lanes + widest_narrow_band;
+
 /// Lines of mass that arrives as outer products, psi[q, i] psibar[q, j] in cell (i, j).
 struct NarrowProducts {
     const double* psi;     ///< (products, N, problems)
@@ -41,15 +47,16 @@ void sweep_narrow(const NarrowBand& band);
 struct NarrowLanding {
     Index bins;
     Index width;
-    const double* mass;          ///< (N + W) as above, 0 beyond N
-    const double* mass_upwards;  ///< (N) the same at N - 1 - m
-    const double* below;         ///< (N + W) as above, any number beyond N
+    const double* mass;          ///< (N) as above, with a margin of zeros on either side
+    const double* mass_upwards;  ///< (N) the same at N - 1 - m, with such margins too
+    const double* below;         ///< (N) as above, with a margin
     const double* along;         ///< (W + 1, stride) mass of (i, i + d) at [d, i]
     const double* down;          ///< (W + 1, stride) mass of (j + d, j) at [d, j]
     Index stride;
     NarrowProducts landing;  ///< of this problem alone
 };
-/// out = state and all that lands there, in the cells outside the band; `out` may be `state` itself.
+/// out = state and all that lands there, in the cells outside the band; those inside lose their meaning. `out` may be
+/// `state` itself.
 void land_outside(const NarrowLanding& lines, MatrixView<const double> state, MatrixView<double> out);
 
 /// Gradings before and after mass has crushed out of their bins.

@@ -112,25 +112,31 @@ MatrixView<T> by_state(StackView<T> stack) {
 class ZoneCheck {
   public:
     ZoneCheck(const QuasiStatic& solver, const Batch& batch)
-        : batch_(batch), largest_(solver.grid(), solver.material(), solver.options().scheme) {
+        : batch_(batch),
+          largest_(solver.grid(), solver.material(), solver.options().scheme),
+          extent_(solver.grid().bins()) {
         double load = 0.0;
         for (Index b = 0; b < batch.states.count(); ++b) {
             if (moves(batch, b)) load = std::max(load, batch.stress_ratio[b]);
         }
         largest_.set_load(load);
+        extent_.set(largest_);
     }
 
     std::optional<Cell> first_bad(Index b) const {
         // Zones are nested, so a state that passes in the largest zone passes in its own.
-        if (!moves(batch_, b) || !first_bad_mass(batch_.states[b], largest_)) return std::nullopt;
+        if (!moves(batch_, b) || !first_bad_mass(batch_.states[b], largest_, extent_)) return std::nullopt;
         ActiveBand own = largest_;
         own.set_load(batch_.stress_ratio[b], largest_of(batch_, b));
-        return first_bad_mass(batch_.states[b], own);
+        ZoneExtent extent = extent_;
+        extent.set(own);
+        return first_bad_mass(batch_.states[b], own, extent);
     }
 
   private:
     const Batch& batch_;
     ActiveBand largest_;
+    ZoneExtent extent_;
 };
 
 // Order of the states by their loads, before and after, and the size that no grain exceeds: those with the same three use the same zones, which cost as much as

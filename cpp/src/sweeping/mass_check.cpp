@@ -11,11 +11,13 @@
 #include <utility>
 
 #include "base/check.hpp"
+#include "simd/loops.hpp"
 
 namespace comminute::detail {
 
 namespace {
 
+constexpr Index rows_ahead = 8;  // rows of the state asked for before their turn
 constexpr double any_number = std::numeric_limits<double>::max();
 
 bool is_mass(double entry, double most) {
@@ -41,18 +43,30 @@ std::optional<Cell> first_bad_mass(MatrixView<const double> state) {
     return std::nullopt;
 }
 
-std::optional<Cell> first_bad_mass(MatrixView<const double> state, const ActiveBand& zone) {
-    const Index bins = state.rows();
-    Array<Index> reach(bins);  // finest bin of the active cells of this shell and all coarser ones
+void ZoneExtent::set(const ActiveBand& zone) {
+    const Index bins = begin_.size();
+    Array<Index>& finest =
+        begin_;  // bin of the active cells of this shell and all coarser ones, for the time being
     for (Index m = bins - 1; m >= 0; --m) {
-        const Index own = m - zone.last(m);
-        reach[m] = m + 1 < bins ? std::min(own, reach[m + 1]) : own;
+        finest[m] = m - zone.last(m);
+        if (m + 1 < bins) finest[m] = std::min(finest[m], finest[m + 1]);
     }
     Index end = 0;  // one past the coarsest shell that reaches this row
     for (Index i = 0; i < bins; ++i) {
-        while (end < bins && reach[end] <= i) ++end;
-        const Index begin = i - zone.last(i);
-        if (bad_masses(state.row(i), std::min(begin, i), std::max(end, i), any_number) == 0) continue;
+        while (end < bins && finest[end] <= i) ++end;
+        end_[i] = std::max(end, i);
+    }
+    for (Index i = 0; i < bins; ++i) begin_[i] = std::min(i - zone.last(i), i);
+}
+
+std::optional<Cell> first_bad_mass(MatrixView<const double> state, const ActiveBand& zone,
+                                   const ZoneExtent& extent) {
+    const Index bins = state.rows();
+    for (Index i = 0; i < bins; ++i) {
+        if (const Index ahead = i + rows_ahead; ahead < bins) {
+            fetch(state.row(ahead) + extent.begin(ahead), extent.end(ahead) - extent.begin(ahead));
+        }
+        if (bad_masses(state.row(i), extent.begin(i), extent.end(i), any_number) == 0) continue;
         for (Index j = 0; j < bins; ++j) {
             if (!is_mass(state(i, j), any_number) && std::abs(i - j) <= zone.last(std::max(i, j)))
                 return Cell(i, j);

@@ -22,8 +22,23 @@ using Cell = std::pair<Index, Index>;
 
 /// Gives the first entry that is no mass, or more than sums can hold.
 std::optional<Cell> first_bad_mass(MatrixView<const double> state);
+/// Columns of each row between which a crush zone lies.
+class ZoneExtent {
+  public:
+    explicit ZoneExtent(Index bins) : begin_(bins), end_(bins) {}
+    void set(const ActiveBand& zone);
+
+    Index begin(Index i) const { return begin_[i]; }
+    Index end(Index i) const { return end_[i]; }
+
+  private:
+    Array<Index> begin_;  // (N)
+    Array<Index> end_;
+};
+
 /// Gives the first entry inside a crush zone that is no mass.
-std::optional<Cell> first_bad_mass(MatrixView<const double> state, const ActiveBand& zone);
+std::optional<Cell> first_bad_mass(MatrixView<const double> state, const ActiveBand& zone,
+                                   const ZoneExtent& extent);
 
 /// Gives the fault of an entry that is no mass.
 /// @param list   name of the state or the stack of states

@@ -14,13 +14,19 @@ void NarrowSweep::at_least(LaneArray& numbers, Index count) {
     if (numbers.size() < count) numbers.resize(count);
 }
 
+LaneArray NarrowSweep::with_margins(const Array<double>& shares) {
+    LaneArray numbers(shares.size() + 2 * narrow_margin);
+    std::copy(shares.begin(), shares.end(), numbers.begin() + narrow_margin);
+    return numbers;
+}
+
 void NarrowSweep::begin(const CrushTable& table, VectorView<const Problem> problems) {
     if (&table != table_) {
         table_ = &table;
-        mass_.assign(bins_ + lanes + widest_narrow_band, 0.0);
-        below_.assign(bins_ + lanes + widest_narrow_band, 0.0);
-        std::copy(table.mass.begin(), table.mass.end(), mass_.begin());
-        std::copy(table.below.begin(), table.below.end(), below_.begin());
+        mass_ = with_margins(table.mass);
+        below_ = with_margins(table.below);
+        mass_upwards_ = mass_;
+        std::reverse(mass_upwards_.begin(), mass_upwards_.end());
     }
     side_by_side_ = problems.size() == 1 ? 1 : lanes;
     width_ = 0;
@@ -62,12 +68,13 @@ void NarrowSweep::set_shares(VectorView<const Problem> problems) {
 void NarrowSweep::take_cells(VectorView<const Problem> problems) {
     const Index across = 2 * width_ + 1;
     if (problems.size() < side_by_side_) std::fill_n(cells_.begin(), bins_ * across * side_by_side_, 0.0);
-    for (Index p = 0; p < problems.size(); ++p) {
-        for (Index i = 0; i < bins_; ++i) {
+    for (Index i = 0; i < bins_; ++i) {
+        const Index begin = std::max(i - width_, Index{0});
+        const Index end = std::min(i + width_ + 1, bins_);
+        double* const to = cells_.data() + (i * across + width_ - i) * side_by_side_;
+        for (Index p = 0; p < problems.size(); ++p) {
             const double* const row = problems[p].state.row(i);
-            double* const to = cells_.data() + (i * across + width_ - i) * side_by_side_ + p;
-            const Index end = std::min(i + width_ + 1, bins_);
-            for (Index j = std::max(i - width_, Index{0}); j < end; ++j) to[j * side_by_side_] = row[j];
+            for (Index j = begin; j < end; ++j) to[j * side_by_side_ + p] = row[j];
         }
     }
 }
@@ -134,9 +141,9 @@ void NarrowSweep::give_states(VectorView<const Problem> problems) {
         const double* const along = lines_.data() + p * stride;
         land_outside({bins_,
                       width_,
-                      mass_.data(),
-                      table_->mass_upwards.data(),
-                      below_.data(),
+                      mass_.data() + narrow_margin,
+                      mass_upwards_.data() + narrow_margin,
+                      below_.data() + narrow_margin,
                       along,
                       along + size,
                       side_by_side_ * stride,
@@ -182,8 +189,8 @@ void NarrowSweep::run(const CrushTable& table, VectorView<Problem> problems) {
                   bins_,
                   width_,
                   reach_.data(),
-                  mass_.data(),
-                  below_.data(),
+                  table.mass.data(),
+                  table.below.data(),
                   settled_.data(),
                   arrived_.data(),
                   {psi_.data(), psibar_.data(), products},

@@ -35,6 +35,7 @@ class NarrowSweep {
     void run(const CrushTable& table, VectorView<Problem> problems);
 
   private:
+    static LaneArray with_margins(const Array<double>& shares);
     static void at_least(LaneArray& numbers, Index count);
     void begin(const CrushTable& table, VectorView<const Problem> problems);
     void set_shares(VectorView<const Problem> problems);
@@ -48,7 +49,8 @@ class NarrowSweep {
     Index side_by_side_ = 1;  // problems, or lanes with some of them empty
     Index width_ = 0;
     const CrushTable* table_ = nullptr;  // whose `mass` and `below` are at hand
-    LaneArray mass_;                     // (N + lanes + widest) as NarrowLanding wants it
+    LaneArray mass_;                     // (N and two margins) as NarrowLanding wants them
+    LaneArray mass_upwards_;
     LaneArray below_;
     Array<Index> reach_;  // (N)
     LaneArray settled_;   // (N, W + 1, side by side), and so on, as in NarrowBand

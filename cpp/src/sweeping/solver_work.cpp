@@ -37,8 +37,7 @@ ZonePair& SolverWork::zones_of(const Loads& loads, VectorView<Problem> taken) {
         return std::none_of(taken.begin(), taken.end(), [&](const Problem& p) { return p.zones == &zones; });
     };
     const auto found = std::find_if(zones_.begin(), zones_.end(), is_free);
-    ZonePair& zones =
-        found != zones_.end() ? *found : zones_.emplace_back(grid, material, options.scheme);
+    ZonePair& zones = found != zones_.end() ? *found : zones_.emplace_back(grid, material, options.scheme);
     zones.set(settled_at, stress_ratio, largest);
     return zones;
 }
@@ -121,7 +120,7 @@ void SolverWork::settle(VectorView<Task> tasks) {
 
 void SolverWork::require_masses(MatrixView<const double> state, const Loads& loads) {
     const ZonePair& zones = zones_of(loads, {nullptr, 0});
-    if (const auto bad = first_bad_mass(state, zones.after())) {
+    if (const auto bad = first_bad_mass(state, zones.after(), zones.extent())) {
         const auto [i, j] = *bad;
         throw ParameterError(mass_fault(state(i, j), "state", {i, j}, true));
     }

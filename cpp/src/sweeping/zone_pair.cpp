@@ -10,7 +10,10 @@
 namespace comminute::detail {
 
 ZonePair::ZonePair(const LogGrid& grid, const Material& material, Scheme scheme)
-    : bins_(grid.bins()), before_(grid, material, scheme), after_(grid, material, scheme) {
+    : bins_(grid.bins()),
+      before_(grid, material, scheme),
+      after_(grid, material, scheme),
+      extent_(grid.bins()) {
     set_shares();
 }
 
@@ -32,6 +35,7 @@ void ZonePair::set(double settled_at, double stress_ratio, double largest) {
 }
 
 void ZonePair::set_shares() {
+    extent_.set(after_);
     width_ = -1;
     for (Index m = 0; m < bins_; ++m) width_ = std::max(width_, last(m));
     if (!narrow()) return;

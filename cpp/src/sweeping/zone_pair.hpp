@@ -5,13 +5,11 @@
 #include <algorithm>
 
 #include "base/arrays.hpp"
+#include "simd/narrow_band.hpp"
+#include "sweeping/mass_check.hpp"
 #include "zones/active_band.hpp"
 
 namespace comminute::detail {
-
-/// Largest distance |i - j| in a band that is swept cell by cell, several problems side by side. In wider ones the cells
-/// of an arm fill registers, and running sums do with fewer operations. By measurement.
-inline constexpr Index widest_narrow_band = 8;
 
 /// The zones before and after a load, and the shares of every cell that moves when the one grows to the other.
 class ZonePair {
@@ -28,6 +26,8 @@ class ZonePair {
 
     const ActiveBand& before() const { return before_; }
     const ActiveBand& after() const { return after_; }
+    /// Columns of each row between which the zone after lies.
+    const ZoneExtent& extent() const { return extent_; }
     /// Largest distance at which mass of shell m moves; -1 where none does. Zones are nested but for rounding.
     Index last(Index m) const { return std::min(std::max(before_.last(m), after_.last(m)), m); }
     /// The largest in any shell.
@@ -45,6 +45,7 @@ class ZonePair {
     Index bins_;
     ActiveBand before_;
     ActiveBand after_;
+    ZoneExtent extent_;
     double settled_at_ = 0.0;
     double stress_ratio_ = 0.0;
     double largest_ = 0.0;
