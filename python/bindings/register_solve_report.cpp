@@ -37,7 +37,7 @@ Examples
              py::arg("crushed_neighbour"))
         .def_property_readonly(
             "path", [](const SolveReport& r) { return word_of(r.path); },
-            "\"sums\", \"direct\" or \"blend\"; \"none\" where nothing had to move.")
+            "\"narrow\", \"sums\", \"direct\" or \"blend\"; \"none\" where nothing had to move.")
         .def_readonly("terms", &SolveReport::terms, "Terms K of the exponential sum; 0 on a path without.")
         .def_readonly("head", &SolveReport::head, "Reductions of up to so many bins were added one by one.")
         .def_readonly("fit_error", &SolveReport::fit_error,
@@ -82,6 +82,7 @@ Examples
             "List of PointMass, fine to coarse: what of it is still at an exact size.")
         .def_property_readonly(
             "report", [](const Marginal& r) { return r.report; }, "SolveReport of the solve.")
+        .def_property_readonly("mass_error", &Marginal::mass_error, "Total mass less 1, summed exactly.")
         .def(
             "__eq__",
             [](const Marginal& a, const Marginal& b) {

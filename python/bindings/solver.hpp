@@ -97,6 +97,15 @@ class Solver {
         return marginal;
     }
 
+    std::vector<comminute::Marginal> gradings_after(const comminute::Fabric& state,
+                                                    const std::vector<double>& stress_ratios) {
+        const py::gil_scoped_release release;
+        const std::lock_guard lock(mutex_);
+        std::vector<comminute::Marginal> marginals = solver_.marginals(state, stress_ratios);
+        if (!marginals.empty()) report_ = marginals.back().report;
+        return marginals;
+    }
+
     py::array_t<double> marginal(const comminute::Fabric& state, double stress_ratio,
                                  std::optional<double> settled_at) {
         refuse_second_load(settled_at);

@@ -47,6 +47,9 @@ struct Marginal {
     std::vector<double> grainsize;  ///< (N) mass by bin, point masses in theirs
     std::vector<PointMass> points;  ///< the part of it that is still at exact sizes, fine to coarse
     SolveReport report;
+
+    /// Total less 1. It is summed with twice the digits, since rounding of its own would be as large.
+    COMMINUTE_API double mass_error() const;
 };
 
 /// The state to which infinitely slow loading leads, in one sweep from coarse to fine.

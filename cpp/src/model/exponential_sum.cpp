@@ -16,6 +16,7 @@ constexpr std::size_t most_terms = 24;
 constexpr double steepest_decay = 230.0;  // in a bin
 constexpr double longest_rate = 3.0;  // above it the sum's terms cancel; the head then takes the steep part
 constexpr double tail_rate = 2.0;
+constexpr double beyond_repair = 1e3;  // of the error allowed, which no closing of the balance makes up for
 
 // Modified Bessel function I_c of the first kind, by its power series, whose terms are all positive.
 double bessel(std::size_t c, double z) {
@@ -90,6 +91,15 @@ void close_balance(ExponentialSum& sum, const FragmentPmf& pmf) {
     sum.coefficient[0] += lack.high * std::expm1(sum.decay[0]);
 }
 
+// Error in the first bin of the tail, which tells at once that terms are lacking.
+double first_error(const ExponentialSum& sum, const FragmentPmf& pmf) {
+    const auto first = static_cast<std::size_t>(sum.head) + 1;
+    if (first >= pmf.mass.size()) return 0.0;
+    double value = 0.0;
+    for (std::size_t a = 0; a < sum.decay.size(); ++a) value += sum.coefficient[a] * std::exp(-sum.decay[a]);
+    return std::abs(value - pmf.mass[first]);
+}
+
 // Fills in the error; false where the sum is not good enough.
 bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
     // A law so steep is a bin or two, and its weights would be beyond what numbers hold.
@@ -97,6 +107,7 @@ bool accurate(ExponentialSum& sum, const FragmentPmf& pmf) {
     const double largest = *std::max_element(pmf.mass.begin(), pmf.mass.end());
     const double leaves = pmf.below.size() > 1 ? pmf.below[1] : 1.0;
     const double most = std::min(2e-14 * largest, 1e-15 * leaves);
+    if (first_error(sum, pmf) > beyond_repair * most) return false;
     close_balance(sum, pmf);
     const double worst = largest_error(sum, pmf, most);
     sum.error = worst / largest;

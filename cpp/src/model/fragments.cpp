@@ -59,6 +59,19 @@ Value mean_over_bin(const Law& law, const std::vector<double>& kinks, double low
     return sum;
 }
 
+// Density of a law as a function of r, for many r of one law.
+template <class Law>
+auto density_of(const Law& law) {
+    return [&law](double r) { return law.pdf(r); };
+}
+auto density_of(const WeibullFragments& law) {
+    const double rate = std::pow(law.scale, -law.shape);
+    return [shape = law.shape, rate, whole = -std::expm1(-rate)](double r) {
+        const double y = rate * std::exp(shape * r);
+        return r > 0.0 ? 0.0 : shape * y * std::exp(-y) / whole;
+    };
+}
+
 template <class Law>
 std::vector<double> kinks_of(const Law& law) {
     if constexpr (requires { law.kinks(); }) return law.kinks();
@@ -72,9 +85,10 @@ FragmentPmf paper_pmf(const Law& law, double h, Index bins) {
     pmf.mass = Array<double>(bins).vector();
     pmf.below = Array<double>(bins, 1.0).vector();
     const std::vector<double> kinks = kinks_of(law);
+    const auto pdf = density_of(law);
     for (std::size_t m = 1; m < pmf.mass.size(); ++m) {
         const auto depth = static_cast<double>(m);
-        const auto density = [&](double u) { return law.pdf((u - depth) * h); };
+        const auto density = [&](double u) { return pdf((u - depth) * h); };
         pmf.mass[m] = h * mean_over_bin(law, kinks, -depth * h, h, density);
     }
     if (bins > 1) pmf.below.back() = law.cdf(static_cast<double>(2 - bins) * h);
@@ -89,10 +103,11 @@ FragmentPmf conservative_pmf(const Law& law, double h, Index bins) {
     pmf.mass = Array<double>(bins).vector();
     pmf.below = Array<double>(bins, 1.0).vector();
     const std::vector<double> kinks = kinks_of(law);
+    const auto pdf = density_of(law);
     for (std::size_t m = 0; m < pmf.mass.size(); ++m) {
         const auto next = static_cast<double>(m + 1);
         const auto hats = [&](double u) -> Eigen::Array2d {
-            return law.pdf((u - next) * h) * Eigen::Array2d(u, 1.0 - u);
+            return pdf((u - next) * h) * Eigen::Array2d(u, 1.0 - u);
         };
         const Eigen::Array2d given =
             h * mean_over_bin(law, kinks, -next * h, h, hats, Eigen::Array2d(0.0, 0.0));
@@ -127,10 +142,7 @@ FragmentPmf made_whole(FragmentPmf pmf) {
 }  // namespace
 
 double WeibullFragments::pdf(double r) const {
-    if (r > 0.0) return 0.0;
-    const double rate = std::pow(scale, -shape);
-    const double y = rate * std::exp(shape * r);
-    return shape * y * std::exp(-y) / -std::expm1(-rate);
+    return density_of(*this)(r);
 }
 
 double WeibullFragments::cdf(double r) const {

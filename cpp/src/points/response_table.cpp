@@ -44,28 +44,32 @@ class Follower {
         const double first = std::min(before_the_first_crush(), log_load - first_spacing);
         const double among_equals =
             first + 3.0 / solver_.material().weibull_modulus * solver_.grid().spacing();
-        add(first);
+        at_.push_back(first);
         if (among_equals < log_load) {
-            add(among_equals - 0.5 * jump_width);  // where equal grains crush at once the response jumps
-            add(among_equals + 0.5 * jump_width);
+            at_.push_back(among_equals -
+                          0.5 * jump_width);  // where equal grains crush at once the response jumps
+            at_.push_back(among_equals + 0.5 * jump_width);
         }
         for (double at = at_.back() + first_spacing; at < log_load - 0.5 * first_spacing; at += first_spacing)
-            add(at);
-        add(log_load);
+            at_.push_back(at);
+        at_.push_back(log_load);
+        rows_ = rows_at(at_);
+        known_.assign(at_.size(), false);
         while (refine()) {
         }
         return columns();
     }
 
   private:
-    void add(double log_load) {
-        at_.push_back(log_load);
-        rows_.push_back(row(log_load));
-        known_.push_back(false);
+    std::vector<Row> rows_at(const std::vector<double>& log_loads) {
+        std::vector<double> loads;
+        for (const double log_load : log_loads) loads.push_back(std::exp(log_load));
+        std::vector<Row> rows;
+        for (const Marginal& after : solver_.marginals(start_, loads)) rows.push_back(row_of(after));
+        return rows;
     }
 
-    Row row(double log_load) {
-        const Marginal after = solver_.marginal(start_, std::exp(log_load));
+    Row row_of(const Marginal& after) const {
         Row row;
         double finer = 0.0;
         for (const double mass : after.grainsize) row.push_back(finer += mass);
@@ -89,36 +93,52 @@ class Follower {
         return table;
     }
 
+    bool untried(std::size_t k) const {
+        return k + 1 < at_.size() && !known_[k] && at_[k + 1] - at_[k] > jump_width;
+    }
+
+    // Largest difference of the mass finer than an edge between the interpolant and what the model says of two places.
+    double error_at(const ResponseColumns& table, std::size_t k, const Row* found) const {
+        double error = 0.0;
+        for (std::size_t p = 0; p < probes.size(); ++p) {
+            const Interval where{static_cast<Index>(k), probes[p]};
+            for (Index j = 0; j < solver_.grid().bins(); ++j) {
+                const double model = found[p][static_cast<std::size_t>(j)];
+                error = std::max(error, std::abs(table.read(j, where).value - model));
+            }
+        }
+        return error;
+    }
+
     // Tries two places in every interval that nobody has tried yet, and keeps both where the interpolant is off at either.
     bool refine() {
+        std::vector<double> tried;
+        for (std::size_t k = 0; k < at_.size(); ++k) {
+            if (!untried(k)) continue;
+            for (const double probe : probes) tried.push_back(at_[k] + probe * (at_[k + 1] - at_[k]));
+        }
+        std::vector<Row> found = rows_at(tried);
         const ResponseColumns table = columns();
-        const auto bins = static_cast<std::size_t>(solver_.grid().bins());
         std::vector<double> at;
         std::vector<Row> rows;
         std::vector<bool> known;
         bool more = false;
+        std::size_t next = 0;
         for (std::size_t k = 0; k < at_.size(); ++k) {
             at.push_back(at_[k]);
-            rows.push_back(rows_[k]);
+            rows.push_back(std::move(rows_[k]));
             known.push_back(known_[k]);
-            if (k + 1 == at_.size() || known_[k] || at_[k + 1] - at_[k] <= jump_width) continue;
-            double error = 0.0;
-            std::array<Row, 2> found;
-            for (std::size_t p = 0; p < 2; ++p) {
-                const Interval where{static_cast<Index>(k), probes[p]};
-                found[p] = row(at_[k] + probes[p] * (at_[k + 1] - at_[k]));
-                for (std::size_t j = 0; j < bins; ++j)
-                    error = std::max(error,
-                                     std::abs(table.read(static_cast<Index>(j), where).value - found[p][j]));
+            if (!untried(k)) continue;
+            known.back() = error_at(table, k, &found[next]) <= safe * options_.tolerance;
+            if (!known.back()) {
+                more = true;
+                for (std::size_t p = 0; p < probes.size(); ++p) {
+                    at.push_back(tried[next + p]);
+                    rows.push_back(std::move(found[next + p]));
+                    known.push_back(false);
+                }
             }
-            known.back() = error <= safe * options_.tolerance;
-            if (known.back()) continue;
-            for (std::size_t p = 0; p < 2; ++p) {
-                at.push_back(at_[k] + probes[p] * (at_[k + 1] - at_[k]));
-                rows.push_back(std::move(found[p]));
-                known.push_back(false);
-            }
-            more = true;
+            next += probes.size();
         }
         at_ = std::move(at);
         rows_ = std::move(rows);

@@ -29,12 +29,13 @@ class NarrowShells {
     HWY_INLINE void sweep() {
         V neighbour = hn::Zero(d);
         for (Index m = band_.bins - 1; m >= 0; --m) {
-            const V half = crush_diagonal(m);
-            V moved[2] = {half, half};
             const Index reach = std::min(band_.reach[m], m);
             const Index cells = std::min(band_.width, m);
-            for (Index k = 1; k <= (band_.keep ? cells : reach); ++k) crush_pair(m, k, moved);
-            for (Index k = band_.keep ? cells + 1 : std::max<Index>(reach, 0) + 1; k <= cells; ++k) {
+            const Index last = band_.keep ? cells : reach;
+            V moved[2] = {hn::Zero(d), hn::Zero(d)};
+            if (last >= 0) moved[0] = moved[1] = crush_diagonal(m);
+            for (Index k = 1; k <= last; ++k) crush_pair(m, k, moved);
+            for (Index k = last + 1; k <= cells; ++k) {
                 put(hn::Zero(d), moving(band_.down, m - k, k));
                 put(hn::Zero(d), moving(band_.along, m - k, k));
             }
@@ -55,9 +56,6 @@ class NarrowShells {
     HWY_INLINE double* cell(Index i, Index j) const {
         return band_.cells + (i * (2 * band_.width + 1) + band_.width + j - i) * Problems + first_;
     }
-    // Largest distance on a line from which mass may have moved.
-    HWY_INLINE Index farthest(Index line) const { return std::min(band_.width, band_.bins - 1 - line); }
-
     HWY_INLINE V with_products(V landed, Index i, Index j) const {
         const NarrowProducts& from = band_.landing;
         for (Index q = 0; q < from.products; ++q) {
@@ -85,7 +83,7 @@ class NarrowShells {
     HWY_INLINE V crush_diagonal(Index m) const {
         const double* const share = m > 0 ? band_.mass : band_.below;
         V landed[2] = {hn::Zero(d), hn::Zero(d)};
-        for (Index e = farthest(m); e >= 1; --e) {
+        for (Index e = band_.line[m]; e >= 1; --e) {
             landed[0] = hn::MulAdd(get(moving(band_.down, m, e)), all(share[e]), landed[0]);
             landed[1] = hn::MulAdd(get(moving(band_.along, m, e)), all(share[e]), landed[1]);
         }
@@ -102,13 +100,13 @@ class NarrowShells {
         const Index line = m - k;
         const double* const across = line > 0 ? band_.mass + k : band_.below + m;
         V crossing[2] = {hn::Zero(d), hn::Zero(d)};
-        for (Index e = farthest(m); e >= 0; --e) {
+        for (Index e = band_.line[m]; e >= 0; --e) {
             const V share = all(across[e]);
             crossing[0] = hn::MulAdd(get(moving(band_.along, m, e)), share, crossing[0]);
             crossing[1] = hn::MulAdd(get(moving(band_.down, m, e)), share, crossing[1]);
         }
         V own[2] = {hn::Zero(d), hn::Zero(d)};
-        for (Index e = farthest(line); e > k; --e) {
+        for (Index e = band_.line[line]; e > k; --e) {
             const V share = all(band_.mass[e - k]);
             own[0] = hn::MulAdd(get(moving(band_.down, line, e)), share, own[0]);
             own[1] = hn::MulAdd(get(moving(band_.along, line, e)), share, own[1]);

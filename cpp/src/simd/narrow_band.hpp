@@ -24,10 +24,11 @@ struct NarrowProducts {
 /// Cells of the band, and what moves along the lines from each of them.
 struct NarrowBand {
     Index problems;
-    Index bins;           ///< N
-    Index width;          ///< W, largest distance |i - j| of a cell of the band
-    const Index* reach;   ///< (N) largest distance at which any problem moves mass in a shell; -1: none
-    const double* mass;   ///< (N) share of moving mass that lands m bins down
+    Index bins;          ///< N
+    Index width;         ///< W, largest distance |i - j| of a cell of the band
+    const Index* reach;  ///< (N) largest distance at which any problem moves mass in a shell; -1: none
+    const Index* line;   ///< (N) largest distance from which mass moves along a line of any problem; -1: none
+    const double* mass;  ///< (N) share of moving mass that lands m bins down
     const double* below;  ///< (N) share of mass from bin m that falls below the grid
     const double*
         settled;  ///< (N, W + 1, problems) share that moves of the mass in a cell, by shell and distance

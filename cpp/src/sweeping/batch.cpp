@@ -159,7 +159,7 @@ BatchSolver::BatchSolver(QuasiStatic solver) {
     workers_.push_back(std::move(solver));
 }
 
-/// What a batch is given and where its results go.
+/// One call of a batch: its input, and the places of its results.
 struct BatchSolver::Run {
     const Batch& batch;
     const BatchOutcome& outcome;

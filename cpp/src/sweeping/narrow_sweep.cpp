@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Problems into lanes, and their results back out (docs/theory/one_sweep.md, section 14).
+// Problems into lanes, and their results back out (docs/theory/one_sweep.md, section 15).
 #include "sweeping/narrow_sweep.hpp"
 
 #include <algorithm>
@@ -35,6 +35,10 @@ void NarrowSweep::begin(const CrushTable& table, VectorView<const Problem> probl
     for (const Problem& problem : problems) {
         for (Index m = 0; m < bins_; ++m) reach_[m] = std::max(reach_[m], problem.zones->last(m));
     }
+    line_.assign(bins_, -1);
+    for (Index m = 0; m < bins_; ++m) {
+        for (Index d = 0; d <= reach_[m]; ++d) line_[m - d] = std::max(line_[m - d], d);
+    }
     const Index in_band = bins_ * (width_ + 1) * side_by_side_;
     for (LaneArray* numbers : {&settled_, &arrived_, &down_, &along_}) at_least(*numbers, in_band);
     // The coarsest lines end at the top of the grid, before the band does.
@@ -67,11 +71,21 @@ void NarrowSweep::set_shares(VectorView<const Problem> problems) {
 
 void NarrowSweep::take_cells(VectorView<const Problem> problems) {
     const Index across = 2 * width_ + 1;
+    const double* const first = problems[0].state.data();
+    const bool shared =
+        side_by_side_ > 1 && std::all_of(problems.begin(), problems.end(), [&](const Problem& p) {
+            return p.state.data() == first && p.state.stride() == problems[0].state.stride();
+        });
     if (problems.size() < side_by_side_) std::fill_n(cells_.begin(), bins_ * across * side_by_side_, 0.0);
     for (Index i = 0; i < bins_; ++i) {
         const Index begin = std::max(i - width_, Index{0});
         const Index end = std::min(i + width_ + 1, bins_);
         double* const to = cells_.data() + (i * across + width_ - i) * side_by_side_;
+        if (shared) {
+            const double* const row = problems[0].state.row(i);
+            for (Index j = begin; j < end; ++j) std::fill_n(to + j * lanes, lanes, row[j]);
+            continue;
+        }
         for (Index p = 0; p < problems.size(); ++p) {
             const double* const row = problems[p].state.row(i);
             for (Index j = begin; j < end; ++j) to[j * side_by_side_ + p] = row[j];
@@ -189,6 +203,7 @@ void NarrowSweep::run(const CrushTable& table, VectorView<Problem> problems) {
                   bins_,
                   width_,
                   reach_.data(),
+                  line_.data(),
                   table.mass.data(),
                   table.below.data(),
                   settled_.data(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One sweep over the narrow bands of several problems, side by side (docs/theory/one_sweep.md, section 14).
+// One sweep over the narrow bands of several problems, side by side (docs/theory/one_sweep.md, section 15).
 #pragma once
 
 #include "simd/narrow_band.hpp"
@@ -53,6 +53,7 @@ class NarrowSweep {
     LaneArray mass_upwards_;
     LaneArray below_;
     Array<Index> reach_;  // (N)
+    Array<Index> line_;   // (N)
     LaneArray settled_;   // (N, W + 1, side by side), and so on, as in NarrowBand
     LaneArray arrived_;
     LaneArray cells_;

@@ -3,10 +3,12 @@
 #include "comminute/quasi_static.hpp"
 
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <utility>
 
 #include "base/check.hpp"
+#include "base/double_double.hpp"
 #include "fabric/fabric_access.hpp"
 #include "sweeping/marginal.hpp"
 #include "sweeping/solver_work.hpp"
@@ -127,6 +129,12 @@ Marginal marginal_of(FabricTask& done, const Fabric& state) {
 }
 
 }  // namespace
+
+double Marginal::mass_error() const {
+    std::array<DoubleDouble, 4> totals{};  // side by side, since each addition waits for the one before
+    for (std::size_t i = 0; i < grainsize.size(); ++i) totals[i % 4] = totals[i % 4] + grainsize[i];
+    return ((totals[0] + totals[1]) + (totals[2] + totals[3])).high - 1.0;
+}
 
 QuasiStatic::QuasiStatic(const LogGrid& grid, const Material& material, const QuasiStaticOptions& options) {
     const double loading_rate = options.loading_rate;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Choice of the sweep, and the zones of the solves (docs/theory/one_sweep.md, sections 2 and 14).
+// Choice of the sweep, and the zones of the solves (docs/theory/one_sweep.md, sections 2 and 15).
 #include "sweeping/solver_work.hpp"
 
 #include <algorithm>
@@ -119,7 +119,7 @@ void SolverWork::settle(VectorView<Task> tasks) {
 }
 
 void SolverWork::require_masses(MatrixView<const double> state, const Loads& loads) {
-    const ZonePair& zones = zones_of(loads, {nullptr, 0});
+    ZonePair& zones = zones_of(loads, {nullptr, 0});
     if (const auto bad = first_bad_mass(state, zones.after(), zones.extent())) {
         const auto [i, j] = *bad;
         throw ParameterError(mass_fault(state(i, j), "state", {i, j}, true));

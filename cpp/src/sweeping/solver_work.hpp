@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Everything that a quasi-static solver keeps from one solve to the next, and its choice of the sweep
-// (docs/theory/one_sweep.md, sections 2 and 14).
+// (docs/theory/one_sweep.md, sections 2 and 15).
 #pragma once
 
 #include <deque>

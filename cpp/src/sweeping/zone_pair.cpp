@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of zones, kept from one solve to the next (docs/theory/one_sweep.md, sections 4 and 14).
+// Pairs of zones, kept from one solve to the next (docs/theory/one_sweep.md, sections 4 and 15).
 #include "sweeping/zone_pair.hpp"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ void ZonePair::set(double settled_at, double stress_ratio, double largest) {
 }
 
 void ZonePair::set_shares() {
-    extent_.set(after_);
+    extent_known_ = false;
     width_ = -1;
     for (Index m = 0; m < bins_; ++m) width_ = std::max(width_, last(m));
     if (!narrow()) return;
@@ -44,7 +44,8 @@ void ZonePair::set_shares() {
     arrived_.assign(bins_ * stride, 0.0);
     for (Index m = 0; m < bins_; ++m) {
         for (Index d = 0; d <= last(m); ++d) {
-            const MovingShares moving = moving_shares(before_.share(m, d), after_.share(m, d));
+            const double before = d > before_.last(m) ? 0.0 : before_.share(m, d);
+            const MovingShares moving = moving_shares(before, after_.share(m, d));
             settled_[m * stride + d] = moving.settled;
             arrived_[m * stride + d] = moving.arrived;
         }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shares of the cells of a narrow band that move (docs/theory/one_sweep.md, sections 4 and 14).
+// Shares of the cells of a narrow band that move (docs/theory/one_sweep.md, sections 4 and 15).
 #pragma once
 
 #include <algorithm>
+#include <utility>
 
 #include "base/arrays.hpp"
 #include "simd/narrow_band.hpp"
@@ -27,7 +28,10 @@ class ZonePair {
     const ActiveBand& before() const { return before_; }
     const ActiveBand& after() const { return after_; }
     /// Columns of each row between which the zone after lies.
-    const ZoneExtent& extent() const { return extent_; }
+    const ZoneExtent& extent() {
+        if (!std::exchange(extent_known_, true)) extent_.set(after_);
+        return extent_;
+    }
     /// Largest distance at which mass of shell m moves; -1 where none does. Zones are nested but for rounding.
     Index last(Index m) const { return std::min(std::max(before_.last(m), after_.last(m)), m); }
     /// The largest in any shell.
@@ -46,6 +50,7 @@ class ZonePair {
     ActiveBand before_;
     ActiveBand after_;
     ZoneExtent extent_;
+    bool extent_known_ = false;
     double settled_at_ = 0.0;
     double stress_ratio_ = 0.0;
     double largest_ = 0.0;

@@ -36,7 +36,9 @@ void ActiveBand::set_load(double stress_ratio, double largest) {
     }
     if (stress_ratio == 0.0) return;
     const ShellZones zones(grid_, material_, std::log(stress_ratio));
-    for (Index begin = 0; begin < grid_.bins(); begin += lanes) set_shells(zones, begin);
+    for (Index begin = 0; begin < grid_.bins(); begin += lanes) {
+        if (!zones.none(begin)) set_shells(zones, begin);
+    }
     if (largest > 0.0) cut_shell(largest, std::log(stress_ratio));
 }
 

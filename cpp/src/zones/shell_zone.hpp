@@ -26,6 +26,8 @@ class ShellZones {
 
     ShellZones(const LogGrid& grid, const Material& material, double log_stress_ratio);
 
+    /// Tells whether all of the pack of shells from m on surely lie outside.
+    bool none(Index m) const { return tip_ >= static_cast<double>(m + lanes) - 0.5; }
     /// Bounds for the pack of shells from m on, none beyond a shell's own index.
     Extents extents(Index m) const;
     /// Shares of the areas of cells that lie inside, with no error but rounding.

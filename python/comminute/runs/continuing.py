@@ -43,8 +43,9 @@ def fabric_after(result: ResultData, k: int) -> Fabric:
     """
     if isinstance(result, ResolvedData):
         return resolved_fabric_after(result, path_of(result), k)
-    walker = ContinuumWalker(result.start, result.material, setup_of(result).scheme, recipe_of(result))
-    loads = path_of(result).loads()
+    path = path_of(result)
+    walker = ContinuumWalker(result.start, result.material, setup_of(result).scheme, recipe_of(result), path)
+    loads = path.loads()
     for outcome, load in zip(outcomes_of(result)[:k], loads, strict=False):
         walker.skip(load, outcome)
         if load.remixed:

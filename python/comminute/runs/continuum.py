@@ -124,7 +124,7 @@ def continuum_run(
     ParameterError
         For a load that the engine asked for cannot take.
     """
-    walker = ContinuumWalker(setup.start, setup.material, setup.scheme, recipe)
+    walker = ContinuumWalker(setup.start, setup.material, setup.scheme, recipe, path)
     finished = [] if earlier is None else outcomes_of(earlier)
     for load, outcome in zip(path.loads(), finished, strict=False):
         walker.skip(load, outcome)

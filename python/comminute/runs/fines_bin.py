@@ -109,7 +109,7 @@ def _with_bins_below(fabric: Fabric, grading: Grading | None, below: int) -> Fab
 
 
 def _curves_of(start: Fabric, material: Material, scheme: Scheme, path: LoadPath, recipe: Recipe, loads: int) -> Floats:
-    walker = ContinuumWalker(start, material, scheme, recipe)
+    walker = ContinuumWalker(start, material, scheme, recipe, path)
     gradings = list[Floats]()
     for load in islice(path.loads(), loads):
         gradings.append(walker.load(load, with_fabric=False).grainsize)

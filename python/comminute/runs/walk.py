@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import accumulate
+
 from comminute._core import (
     Fabric,
     FullConvolution,
     LogGrid,
+    Marginal,
     Material,
     QuasiStatic,
     SlowUpdate,
     remix,
 )
-from comminute.runs.load_path import Load
+from comminute.runs.load_path import Load, LoadPath
 from comminute.runs.outcomes import Outcome, mass_error
 from comminute.runs.recipe import Recipe
 from comminute.util.choices import EngineName, Kind, Scheme, require_word
 from comminute.util.errors import parameter_error
 
+LOADS_AHEAD = 16  # whose gradings are solved together; a Ctrl-C waits for so many
 SEPARATOR = " + "  # between the engines of a result that took more than one
 
 
@@ -76,7 +81,8 @@ class _Segment:
     """Solves between two remixings or changes of solver, each from the fabric at the beginning.
 
     The way to a load does not matter to its outcome, so one solve to the largest load so far gives it. A fabric is
-    computed where it is asked for, and whether it is changes no bit of any outcome.
+    computed where it is asked for, and whether it is changes no bit of any outcome. Gradings are solved for some loads
+    ahead, since many together take less time than one after the other.
     """
 
     def __init__(self, solver: QuasiStatic, fabric: Fabric, crushed: float) -> None:
@@ -85,15 +91,15 @@ class _Segment:
         self._crushed = crushed
         self._largest = 0.0
         self._latest: tuple[Fabric, float] | None = None  # after the largest load, where it is known
+        self._gradings: dict[float, Outcome] = {}  # after this load and some larger ones
 
-    def after(self, load: float, *, with_fabric: bool) -> Outcome:
-        """Outcome of one more load."""
+    def after(self, load: float, *, with_fabric: bool, ahead: Callable[[], list[float]] = list) -> Outcome:
+        """Outcome of one more load; `ahead` gives the loads that come after it."""
         self._raise_to(load)
         if not with_fabric:
-            after = self.solver.grading_after(self._fabric, self._largest)
-            crushed = self._crushed + after.report.crushed
-            grainsize = after.grainsize
-            return Outcome(grainsize, crushed, mass_error(grainsize), tuple(after.points), after.report)
+            if self._largest not in self._gradings:
+                self._look_ahead(ahead())
+            return self._gradings[self._largest]
         fabric, report = self.solver.solve(self._fabric, self._largest), self.solver.report
         grainsize, crushed = fabric.grainsize(), self._crushed + report.crushed
         self._latest = fabric, crushed
@@ -111,6 +117,16 @@ class _Segment:
             self.after(0.0, with_fabric=True)
             assert self._latest is not None
         return self._latest
+
+    def _look_ahead(self, loads: list[float]) -> None:
+        largest = list(dict.fromkeys(accumulate([self._largest, *loads], max)))
+        gradings = self.solver.gradings_after(self._fabric, largest)
+        self._gradings = {load: self._outcome(after) for load, after in zip(largest, gradings, strict=True)}
+
+    def _outcome(self, after: Marginal) -> Outcome:
+        report = after.report
+        points = tuple(after.points)
+        return Outcome(after.grainsize, self._crushed + report.crushed, after.mass_error, points, report)
 
     def _raise_to(self, load: float) -> None:
         if load > self._largest:
@@ -164,6 +180,8 @@ class ContinuumWalker:
         Scheme by which the continuum becomes bins; see `QuasiStatic`.
     recipe : Recipe
         Kernel and engine of each load of the path, and the steps a time-stepping engine takes.
+    path : LoadPath
+        Loads of the recipe.
 
     Raises
     ------
@@ -171,13 +189,15 @@ class ContinuumWalker:
         For a load that the engine asked for cannot take.
     """
 
-    def __init__(self, fabric: Fabric, material: Material, scheme: Scheme, recipe: Recipe) -> None:
+    def __init__(self, fabric: Fabric, material: Material, scheme: Scheme, recipe: Recipe, path: LoadPath) -> None:
         self._choices = choices(recipe)
+        self._path = path
         self._engines = Engines(fabric.grid, material, scheme)
         self._fabric = fabric
         self._steps = steps_of(recipe)
         self._crushed = 0.0
         self._segment: _Segment | None = None
+        self._segment_is_of: tuple[Kind, float] | None = None
 
     @property
     def engine(self) -> str:
@@ -190,7 +210,18 @@ class ContinuumWalker:
         if name != "quasi-static":
             self._end_segment()
             return self._step(name, kind, load)
-        return self._segment_of(kind, load).after(load.stress_ratio, with_fabric=with_fabric)
+        segment = self._segment_of(kind, load)
+        return segment.after(load.stress_ratio, with_fabric=with_fabric, ahead=lambda: self._ahead(load))
+
+    def _ahead(self, load: Load) -> list[float]:
+        """Loads after this one that the same solver takes on from the same fabric."""
+        path, first = self._path, load.place
+        end = min(first + LOADS_AHEAD, len(self._choices))
+        for place in range(first, end):
+            other = place + 1 < end and (self._choices[place + 1], path.loading_rate[place + 1])
+            if place in path.remix_after or other != (self._choices[first], load.loading_rate):
+                return list(path.stress_ratio[first + 1 : place + 1].tolist())
+        return []
 
     def skip(self, load: Load, outcome: Outcome) -> None:
         """Go past a load whose outcome is known, to the state in which taking it would have ended, in every bit."""
@@ -206,6 +237,9 @@ class ContinuumWalker:
             self._fabric, self._crushed = outcome.fabric, outcome.crushed
 
     def _segment_of(self, kind: Kind, load: Load) -> _Segment:
+        if self._segment is not None and self._segment_is_of == (kind, load.loading_rate):
+            return self._segment
+        self._segment_is_of = kind, load.loading_rate
         solver = self._engines.solver(1.0 if kind == "fast" else load.loading_rate)
         if self._segment is None or self._segment.solver is not solver:
             self._end_segment()

@@ -220,10 +220,13 @@ TEST_CASE("the smallest grid and grids across blocks and vectors conserve mass o
         for (const double n : {0.02, 0.2, 2.0, 50.0}) {
             QuasiStatic direct(g, material(n), {Scheme::conservative, 0.0, SolvePath::direct});
             QuasiStatic sums(g, material(n), {Scheme::conservative, 0.0, SolvePath::sums});
+            QuasiStatic automatic(g, material(n));
             for (const double load : {0.9, 4.0, 300.0}) {
                 const Solved a = solve(direct, p, load);
                 const Solved b = solve(sums, p, load);
                 CHECK(helpers::largest_difference(a.state.mass, b.state.mass) < 5e-15);
+                CHECK(helpers::largest_difference(a.state.mass, solve(automatic, p, load).state.mass) <
+                      5e-15);
                 CHECK(std::abs(b.state.total() - 1.0) < 1e-14);
                 CHECK(helpers::smallest_entry(a.state.mass) >= 0.0);
                 CHECK(helpers::smallest_entry(b.state.mass) >= 0.0);
