@@ -14,6 +14,7 @@
 #include "comminute/kernel.hpp"
 #include "comminute/lattice.hpp"
 #include "comminute/material.hpp"
+#include "comminute/material_points.hpp"
 #include "comminute/quasi_static.hpp"
 #include "comminute/resolved.hpp"
 #include "comminute/resolved_batch.hpp"

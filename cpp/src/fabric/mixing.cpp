@@ -8,6 +8,7 @@
 #include "base/check.hpp"
 #include "comminute/fabric.hpp"
 #include "fabric/fabric_access.hpp"
+#include "fabric/neighbourhoods.hpp"
 
 namespace comminute {
 
@@ -100,10 +101,9 @@ std::vector<PointMass> resolved(const LogGrid& grid, const std::vector<PointMass
 
 }  // namespace
 
-std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const double> grainsize, Mean mean) {
+void detail::add_neighbourhoods(const LogGrid& grid, VectorView<const double> grainsize, Mean mean,
+                                VectorView<double> pmf) {
     const Index bins = grid.bins();
-    require_bins(grainsize.size(), bins, entry("grainsize"));
-    Array<double> pmf(bins);
     for (Index d = 0; d < bins; ++d) {
         const MeanPlace place = place_of_mean(grid.spacing(), d, mean);
         const double ways = d == 0 ? 1.0 : 2.0;
@@ -113,6 +113,22 @@ std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const doub
         Line(pmf.data() + d - place.bins, pairs) += place.upper * weight;
         if (place.upper < 1.0) Line(pmf.data() + d - place.bins - 1, pairs) += (1.0 - place.upper) * weight;
     }
+}
+
+void detail::mix_bins(const LogGrid& grid, VectorView<const double> grainsize, Mean mean,
+                      VectorView<double> neighbours, MatrixView<double> out) {
+    const Index bins = grid.bins();
+    std::fill(neighbours.begin(), neighbours.end(), 0.0);
+    add_neighbourhoods(grid, grainsize, mean, neighbours);
+    Line in_bins(neighbours.data(), bins);
+    in_bins /= std::accumulate(neighbours.begin(), neighbours.end(), 0.0);
+    for (Index i = 0; i < bins; ++i) Line(out.row(i), bins) = grainsize[i] * in_bins;
+}
+
+std::vector<double> neighbourhood_pmf(const LogGrid& grid, VectorView<const double> grainsize, Mean mean) {
+    require_bins(grainsize.size(), grid.bins(), entry("grainsize"));
+    Array<double> pmf(grid.bins());
+    add_neighbourhoods(grid, grainsize, mean, {pmf.data(), grid.bins()});
     return std::move(pmf).vector();
 }
 

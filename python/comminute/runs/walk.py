@@ -214,7 +214,7 @@ class ContinuumWalker:
         return segment.after(load.stress_ratio, with_fabric=with_fabric, ahead=lambda: self._ahead(load))
 
     def _ahead(self, load: Load) -> list[float]:
-        """Loads after this one that the same solver takes on from the same fabric."""
+        """Find the loads after this one that the same solver takes on from the same fabric."""
         path, first = self._path, load.place
         end = min(first + LOADS_AHEAD, len(self._choices))
         for place in range(first, end):
