@@ -51,6 +51,7 @@ ResponseTable table_of(const py::bytes& bytes) {
 }  // namespace
 
 void register_points(py::module_& m) {
+    register_material_points(m);
     tell_defaults(m, "ResponseTable", py::dict(py::arg("tolerance") = defaults.tolerance));
     py::class_<ResponseTable>(m, "ResponseTable", "The core that `comminute.ResponseTable` reads.")
         .def(py::init([](const Material& material, const Fabric& start, double max_stress_ratio,

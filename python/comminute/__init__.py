@@ -84,6 +84,7 @@ from comminute.lattice.comparison import Comparison, compare
 from comminute.lattice.small_ring import SmallRing
 from comminute.lattices import Lattice, TimeSteppedLattice
 from comminute.opening import open_result
+from comminute.points import MaterialPoints
 from comminute.response import ResponseTable
 from comminute.result import Interrupted, LatticeResult, ResolvedResult, Result, run_again
 from comminute.runs.recipe import Recipe
@@ -109,6 +110,7 @@ __all__ = [
     "LogNormalFragments",
     "Marginal",
     "Material",
+    "MaterialPoints",
     "Milling",
     "ParameterError",
     "PointMass",

@@ -17,8 +17,6 @@ from comminute._core import (
     LogGrid,
     Material,
     defaults,
-    fitting_grid,
-    mixed_fabric,
     needed_spacing,
 )
 from comminute._core import ResponseTable as CoreTable
@@ -26,6 +24,7 @@ from comminute.files.response_storage import read_table, save_table
 from comminute.gradings.curves import SizeCurve
 from comminute.gradings.named import named_index, percent_of
 from comminute.runs.remarks import ResolutionWarning, fines_warnings, spacing_warnings
+from comminute.starts import fabric_of
 from comminute.util.choices import Mean, Scheme, require_word
 from comminute.util.errors import parameter_error
 from comminute.util.keywords import suggests_keywords
@@ -100,15 +99,10 @@ class ResponseTable:
         mean: Mean = "arithmetic",
         scheme: Scheme = "conservative",
     ) -> None:
-        require_word("mean", mean, Mean)
         require_word("scheme", scheme, Scheme)
         if not 0.0 < largest < np.inf:
             raise parameter_error("largest", float(largest), "it must be greater than 0 and finite")
-        fabric = start
-        if isinstance(fabric, Grading):
-            fabric = mixed_fabric(fabric, grid or fitting_grid(fabric, material, largest), mean=mean)
-        elif grid is not None and grid != fabric.grid:
-            raise parameter_error("grid", grid, f"the fabric has {fabric.grid}; leave grid out")
+        fabric = fabric_of(material, start, grid, largest, mean)
         self.unit = start.unit if isinstance(start, Grading) else ""
         self._core = CoreTable(material, fabric, largest, tolerance, loading_rate, scheme)
         needed = needed_spacing(material, start) if isinstance(start, Grading) else needed_spacing(material)

@@ -145,6 +145,8 @@ class COMMINUTE_API MaterialPoints {
     void grading(Index i, VectorView<double> grainsize) const;
     /// @param grainsize  (N) out: the same of the end state, or of the begin state where no trial waits
     void end_grading(Index i, VectorView<double> grainsize) const;
+    /// Size that no grain of the begin state exceeds; 0 where it is not known.
+    double largest(Index i) const;
     /// The begin state; where gradings are kept it is computed anew from the last mixing.
     Fabric fabric(Index i) const;
     /// Tells whether a point still shares the start.

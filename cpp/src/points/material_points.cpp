@@ -94,6 +94,10 @@ void MaterialPoints::end_grading(Index i, VectorView<double> grainsize) const {
     require_bins(grainsize.size(), grid().bins(), entry("grainsize"));
     data_->read_grading(data_->end[i], grainsize);
 }
+double MaterialPoints::largest(Index i) const {
+    data_->require_point(i);
+    return data_->begin[i].largest;
+}
 Fabric MaterialPoints::fabric(Index i) const {
     data_->require_point(i);
     return data_->fabric(i);

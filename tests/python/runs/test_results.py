@@ -72,6 +72,7 @@ THINGS = [
     cm.Simulation(MATERIAL, cm.monodisperse(1.0), closure="resolved", sizes=[0.5]).run(stress_ratio=2.0),
     cm.compare_closures(MATERIAL, cm.monodisperse(1.0), stress_ratio=2.0, cells=200),
     cm.ResponseTable(MATERIAL, SAND, GRID, 5.0, tolerance=0.01),
+    cm.MaterialPoints(MATERIAL, SAND, 2, GRID),
     cm.Zone(1),
 ]
 FAULTS = [
