@@ -58,9 +58,9 @@ def page() -> str:
         "# Memory and accuracy of material points",
         "",
         "Written by `docs/validation/material_points.py`. Memory is that of a point that has crushed, beside the start",
-        f"that all share. The error of D50 is the largest at stress ratios {loads}, against {FINE} bins with exact sizes",
-        f"kept exact; on the left of the starts that have none ({', '.join(SPREAD)}), on the right of those whose exact",
-        f"sizes the points put into bins ({', '.join(EXACT)}).",
+        f"that all share. The error of D50 is the largest at stress ratios {loads}, against {FINE} bins with exact",
+        f"sizes kept exact; on the left of the starts that have none ({', '.join(SPREAD)}), on the right of those",
+        f"whose exact sizes the points put into bins ({', '.join(EXACT)}).",
         "",
         "| bins | states, float64 | states, float32 | gradings, float64 | gradings, float32"
         " | error of D50 |"

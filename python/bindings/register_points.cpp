@@ -102,4 +102,5 @@ void register_points(py::module_& m) {
         .def("to_bytes", &bytes_of)
         .def_static("from_bytes", &table_of)
         .def(py::pickle(&bytes_of, &table_of));
+    register_response_family(m);
 }

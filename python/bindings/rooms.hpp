@@ -14,5 +14,6 @@ void register_slow_update(py::module_& m);       // stepping
 void register_full_convolution(py::module_& m);  // stepping
 void register_solve_report(py::module_& m);      // sweeping
 void register_material_points(py::module_& m);   // points
+void register_response_family(py::module_& m);   // points
 void register_resolved_batch(py::module_& m);    // resolved
 void register_resolved_grid(py::module_& m);     // resolved

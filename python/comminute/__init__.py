@@ -86,6 +86,7 @@ from comminute.lattices import Lattice, TimeSteppedLattice
 from comminute.opening import open_result
 from comminute.points import MaterialPoints
 from comminute.response import ResponseTable
+from comminute.response_family import ResponseFamily
 from comminute.result import Interrupted, LatticeResult, ResolvedResult, Result, run_again
 from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning
@@ -121,6 +122,7 @@ __all__ = [
     "Resolved",
     "ResolvedGrid",
     "ResolvedResult",
+    "ResponseFamily",
     "ResponseTable",
     "Result",
     "Ridge",

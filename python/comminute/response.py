@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +31,60 @@ from comminute.util.keywords import suggests_keywords
 
 Floats = npt.NDArray[np.float64]
 ABOVE, BAD_LOAD, IN_FINES = 1, 2, 3  # of the core's statuses; 0 is inside
+
+
+class Readable(Protocol):
+    """The core of a table, or of a family of them, whose look-ups take one place more."""
+
+    def crushes(self, *where: Any) -> Any:
+        """Look up the mean number of crushes a cell has been through."""
+        ...
+
+    def finer(self, bin: int, *where: Any) -> Any:
+        """Look up the mass finer than the upper edge of a bin."""
+        ...
+
+    def scalar(self, name: str, *where: Any) -> Any:
+        """Look up a scalar."""
+        ...
+
+    def percentile(self, percent: float, *where: Any) -> Any:
+        """Look up a size by the percentage that is finer."""
+        ...
+
+
+def look_up(core: Readable, name: str, quantities: Sequence[str], *where: Floats) -> Any:
+    """Look a number up by its name: values, derivatives, statuses.
+
+    Raises
+    ------
+    ParameterError
+        For a name that is no size and none of the quantities.
+    """
+    percent = percent_of(name)
+    if percent is not None and percent <= 100.0:
+        return core.percentile(percent, *where)
+    if name == "crushes":
+        return core.crushes(*where)
+    if name == "fines":
+        return core.finer(0, *where)
+    if name in quantities:
+        return core.scalar(name, *where)
+    known = ", ".join(("crushes", "fines", *quantities))
+    raise parameter_error("name", f"'{name}'", f"it must be a size such as d50, or one of {known}")
+
+
+def require_inside(status: npt.NDArray[np.uint8], name: str, most: float, *, stress_ratio: Floats) -> None:
+    """Raise ParameterError for the first load that a table, which goes to `most`, does not know."""
+    bad = np.flatnonzero(status)
+    if bad.size == 0:
+        return
+    first = int(bad[0])
+    load = float(stress_ratio[first])
+    if status[first] == IN_FINES:
+        raise parameter_error(name, load, subject=name, finding=f"lies in the fines bin at stress ratio {load:g}")
+    rule = f"the table goes from 0 to {most:.6g}"
+    raise parameter_error(f"stress_ratio[{first}]" if stress_ratio.size > 1 else "stress_ratio", load, rule)
 
 
 class ResponseTable:
@@ -120,6 +174,18 @@ class ResponseTable:
         found = [*spacing_warnings(self.grid, needed), *fines_warnings(self.grid, first_fines, loads, pmf, self.unit)]
         for warning in found:
             warnings.warn(warning, ResolutionWarning, stacklevel=4)
+
+    @property
+    def core(self) -> CoreTable:
+        """Core that this table reads, for families of tables."""
+        return self._core
+
+    @classmethod
+    def of_core(cls, core: CoreTable, unit: str = "") -> Self:
+        """Table of its core."""
+        table = cls.__new__(cls)
+        table._core, table.unit = core, unit
+        return table
 
     @property
     def grid(self) -> LogGrid:
@@ -223,9 +289,7 @@ class ResponseTable:
         ParameterError
             For bytes that are no table, of another version, damaged or cut short.
         """
-        table = cls.__new__(cls)
-        table._core, table.unit = CoreTable.from_bytes(content), unit
-        return table
+        return cls.of_core(CoreTable.from_bytes(content), unit)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write a NetCDF file (.nc), complete or not at all: loads, gradings and scalars, and the table to the bit.
@@ -260,31 +324,13 @@ class ResponseTable:
 
     def _look_up(self, name: str, stress_ratio: float | Sequence[float] | Floats) -> tuple[Floats, Floats]:
         loads = np.asarray(stress_ratio, dtype=np.float64)
-        flat, percent = loads.reshape(-1), percent_of(name)
-        if percent is not None and percent <= 100.0:
-            value, derivative, status = self._core.percentile(percent, flat)
-        elif name == "crushes":
-            value, derivative, status = self._core.crushes(flat)
-        elif name == "fines":
-            value, derivative, status = self._core.finer(0, flat)
-        elif name in self._core.scalars:
-            value, derivative, status = self._core.scalar(name, flat)
-        else:
-            known = ", ".join(("crushes", "fines", *self.quantities))
-            raise parameter_error("name", f"'{name}'", f"it must be a size such as d50, or one of {known}")
+        flat = loads.reshape(-1)
+        value, derivative, status = look_up(self._core, name, self.quantities, flat)
         self._require(status, flat, name)
         return value.reshape(loads.shape), derivative.reshape(loads.shape)
 
     def _require(self, status: npt.NDArray[np.uint8], loads: Floats, name: str) -> None:
-        bad = np.flatnonzero(status)
-        if bad.size == 0:
-            return
-        first = int(bad[0])
-        load = float(loads[first])
-        if status[first] == IN_FINES:
-            raise parameter_error(name, load, subject=name, finding=f"lies in the fines bin at stress ratio {load:g}")
-        rule = f"the table goes from 0 to {self.loads[-1]:.6g}"
-        raise parameter_error(f"stress_ratio[{first}]" if loads.size > 1 else "stress_ratio", load, rule)
+        require_inside(status, name, float(self.loads[-1]), stress_ratio=loads)
 
     def __eq__(self, other: object) -> bool:
         """Equal in every number and the unit."""

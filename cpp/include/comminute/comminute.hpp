@@ -19,6 +19,7 @@
 #include "comminute/resolved.hpp"
 #include "comminute/resolved_batch.hpp"
 #include "comminute/resolved_grid.hpp"
+#include "comminute/response_family.hpp"
 #include "comminute/response_table.hpp"
 #include "comminute/scheme.hpp"
 #include "comminute/settle.hpp"

@@ -26,6 +26,7 @@ enum class ResponseStatus : unsigned char {
     bad_load,   ///< NaN or negative: the value is NaN
     in_fines,   ///< a percentile in the fines bin, where no size is known: the value is NaN
     no_scalar,  ///< a scalar that the table does not have: the value is NaN
+    outside,    ///< a value of a family's second variable beyond its first or last node: the number is NaN
 };
 
 /// A number under a load, and its derivative by the stress ratio.

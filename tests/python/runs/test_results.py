@@ -73,6 +73,7 @@ THINGS = [
     cm.compare_closures(MATERIAL, cm.monodisperse(1.0), stress_ratio=2.0, cells=200),
     cm.ResponseTable(MATERIAL, SAND, GRID, 5.0, tolerance=0.01),
     cm.MaterialPoints(MATERIAL, SAND, 2, GRID),
+    cm.ResponseFamily(MATERIAL, SAND, [0.0, 0.1], variable="loading_rate", grid=GRID, largest=2.0, refine=False),
     cm.Zone(1),
 ]
 FAULTS = [
