@@ -138,7 +138,7 @@ std::string ByteReader::text() {
 LogGrid ByteReader::grid() {
     const double psi_min = real();
     const double psi_max = real();
-    return LogGrid(psi_min, psi_max, static_cast<Index>(size()));
+    return {psi_min, psi_max, static_cast<Index>(size())};
 }
 void ByteReader::require_end() const {
     if (at_ != count_) refuse("are damaged");

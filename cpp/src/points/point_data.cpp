@@ -350,7 +350,7 @@ Fabric PointData::fabric(Index i) const {
     const auto settled = state.settled_at > 0.0 ? std::optional(state.settled_at) : std::nullopt;
     std::vector<double> numbers(static_cast<std::size_t>(store.size()));
     read(state, numbers.data());
-    if (keeps_states()) return Fabric(grid, std::move(numbers), {}, settled, mean, {}, state.largest);
+    if (keeps_states()) return {grid, std::move(numbers), {}, settled, mean, {}, state.largest};
     std::vector<double> probability(start.begin(), start.begin() + grid.bins() * grid.bins());
     if (state.mixed) {
         Array<double> neighbours(grid.bins());

@@ -122,6 +122,7 @@ ResponseFamily ResponseFamily::refined(std::vector<double> values,
     require(options.tolerance > 0.0, "tolerance", options.tolerance, "greater than 0");
     require(options.most_nodes >= 2, "most_nodes", static_cast<double>(options.most_nodes), "at least 2");
     std::vector<ResponseTable> tables;
+    tables.reserve(values.size());
     for (const double value : values) tables.push_back(table_at(value));
     const ResponseFamily coarse(values, tables);  // which checks them
     for (std::size_t k = 0; k + 1 < values.size();) {

@@ -63,6 +63,7 @@ class Follower {
   private:
     std::vector<Row> rows_at(const std::vector<double>& log_loads) {
         std::vector<double> loads;
+        loads.reserve(log_loads.size());
         for (const double log_load : log_loads) loads.push_back(std::exp(log_load));
         std::vector<Row> rows;
         for (const Marginal& after : solver_.marginals(start_, loads)) rows.push_back(row_of(after));

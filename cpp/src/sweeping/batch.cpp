@@ -224,7 +224,7 @@ void BatchSolver::require_fit(const Batch& batch, const BatchOutcome& outcome,
     require_count(batch.stress_ratio.size(), count, "stress_ratio");
     if (batch.settled_at.size() > 0) require_count(batch.settled_at.size(), count, "settled_at");
     if (batch.largest.size() > 0) require_count(batch.largest.size(), count, "largest");
-    for (Index b = 0; b < batch.largest.size(); ++b) require_largest(batch.largest[b]);
+    for (const double largest : batch.largest) require_largest(largest);
     if (outcome.settled_at.size() > 0)
         require_count(outcome.settled_at.size(), count, "settled_at of the outcome");
     if (outcome.reports.size() > 0) require_count(outcome.reports.size(), count, "reports");

@@ -171,7 +171,7 @@ const QuasiStaticOptions& QuasiStatic::options() const {
 
 Fabric QuasiStatic::solve(const Fabric& given, double stress_ratio, SolveReport* report) {
     require_stress_ratio(stress_ratio);
-    const Fabric state = known(*work_, given);
+    Fabric state = known(*work_, given);
     SolveReport own;
     SolveReport& said = report != nullptr ? *report : own;
     said = {};
