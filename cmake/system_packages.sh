@@ -4,7 +4,7 @@
 set -eu
 
 wanted="g++ cmake ninja-build libeigen3-dev libhwy-dev libfftw3-dev doctest-dev python3-venv python3-dev"
-[ "${1:-}" = "--dev" ] && wanted="$wanted clang clang-format clang-tidy"
+[ "${1:-}" = "--dev" ] && wanted="$wanted clang clang-format clang-tidy gfortran pkg-config"
 [ "${1:-}" = "--bench" ] && wanted="$wanted libbenchmark-dev"
 
 command -v dpkg-query >/dev/null 2>&1 || {

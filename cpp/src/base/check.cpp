@@ -58,6 +58,7 @@ void require_entries(Index found, Index wanted, const Place& list, const std::st
 }
 
 void require_bins(Index found, Index bins, const Place& list, std::vector<Place> outer) {
+    if (found == bins) return;  // words cost memory
     require_entries(found, bins, list, "the grid has " + std::to_string(bins) + " bins", std::move(outer));
 }
 

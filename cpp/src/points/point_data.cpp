@@ -13,7 +13,6 @@
 #include "base/check.hpp"
 #include "base/workers.hpp"
 #include "fabric/neighbourhoods.hpp"
-#include "sweeping/marginal.hpp"
 #include "zones/shell_zone.hpp"
 
 namespace comminute::detail {
@@ -64,7 +63,7 @@ PointData::PointData(const Material& of, const Fabric& given, Index count, const
     const MatrixView<const double> p = binned.probability();
     start = LaneArray(grid.bins() * grid.bins() + lanes);
     std::copy_n(p.data(), grid.bins() * grid.bins(), start.begin());
-    start_rows = Array<double>(row_sums(p));
+    start_rows = Array<double>(binned.parts().rows);  // handed on, not summed anew, as solvers do
     begin = Array<PointState>(count, {shared, start_settled_at, 0.0, start_largest});
     end = begin;
     settled_at = Array<double>(count, start_settled_at);

@@ -29,6 +29,10 @@ long long support::allocations() {
 void* operator new(std::size_t size) {
     return counted(std::malloc(size > 0 ? size : 1));
 }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    ++count;
+    return std::malloc(size > 0 ? size : 1);
+}
 void* operator new(std::size_t size, std::align_val_t align) {
     const auto line = static_cast<std::size_t>(align);
     return counted(std::aligned_alloc(line, whole_lines(size > 0 ? size : 1, line)));
@@ -37,6 +41,9 @@ void operator delete(void* memory) noexcept {
     std::free(memory);
 }
 void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, const std::nothrow_t&) noexcept {
     std::free(memory);
 }
 void operator delete(void* memory, std::align_val_t) noexcept {

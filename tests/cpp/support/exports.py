@@ -23,7 +23,7 @@ def main(nm: str, library: Path, listed: Path, *, write: bool) -> int:
     inner = sorted(name for _, name in symbols if "comminute::detail::" in name)
     if inner:
         print("exported although internal:", *inner, sep="\n  ")
-    found = sorted({name for kind, name in symbols if kind == "T" and name.startswith("comminute::")})
+    found = sorted({name for kind, name in symbols if kind == "T" and name.startswith(("comminute::", "comminute_"))})
     if write:
         listed.write_text("\n".join(found) + "\n")
     wanted = listed.read_text().splitlines()

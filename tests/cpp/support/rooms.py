@@ -21,6 +21,7 @@ ROOMS = (
     "resolved",
     "points",
     "lattice",
+    "c",
 )
 # The witness must not share code with what it is to witness.
 SEES = {"lattice": {"base", "model", "fabric", "gradings", "lattice"}}
