@@ -80,8 +80,7 @@ program host
   write (*, '(a)') ' vertical MPa   stress ratio      D50 mm     crushes'
   do k = 1, 30
     step = 0.0d0
-    step(3) = merge(2.0d-3, -2.0d-3, k > 10 .and. k <= 15)  ! five steps of unloading
-    step(3) = merge(step(3), -2.0d-3, k > 10)
+    step(3) = merge(2.0d-3, -2.0d-3, k > 10 .and. k <= 15)  ! five of the steps unload
     call umat(stress, statev, ddsdde, strain, step, [1.0d3, 0.2d0])
     strain = strain + step
     if (mod(k, 5) == 0) write (*, '(f13.2, f15.3, f12.4, f12.4)') - stress(3), statev

@@ -54,6 +54,14 @@ def test_mixing_between_cycles_gives_the_run(keep: str, dtype: str) -> None:
     assert points.crushed[0] > 0.0
 
 
+def test_points_that_keep_gradings_are_runs_to_the_bit() -> None:
+    run = cm.Simulation(MATERIAL, SAND, grid=GRID).run(stress_ratio=CYCLES, remix_after=[2], keep_fabrics=())
+    points = points_of(1, "gradings")
+    for k, load in enumerate(CYCLES):
+        points.update(load, remix=k == 3)
+        np.testing.assert_array_equal(points.gradings()[0], run.pmf[k])
+
+
 @pytest.mark.parametrize("keep", ["states", "gradings"])
 def test_a_loading_rate_is_that_of_the_run(keep: str) -> None:
     run = cm.Simulation(MATERIAL, SAND, grid=GRID).run(stress_ratio=[20.0, 60.0], loading_rate=0.3, keep_fabrics=())
