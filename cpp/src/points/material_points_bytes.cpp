@@ -147,18 +147,22 @@ void write_start(ByteWriter& out, const PointData& points) {
     out.real(points.start_settled_at);
     out.real(points.start_largest);
     for (Index k = 0; k < points.grid.bins() * points.grid.bins(); ++k) out.real(points.start[k]);
+    out.reals(points.start_rows.vector());
 }
 
 struct Start {
     double settled_at;
     double largest;
     std::vector<double> probability;
+    std::vector<double> rows;
 };
 
 Start read_start(ByteReader& in, const LogGrid& grid) {
     const double settled_at = in.real();
     const double largest = in.real();
-    return {settled_at, largest, in.reals(static_cast<std::size_t>(grid.bins() * grid.bins()))};
+    const auto bins = static_cast<std::size_t>(grid.bins());
+    std::vector<double> probability = in.reals(bins * bins);
+    return {settled_at, largest, std::move(probability), in.reals(bins)};
 }
 
 std::uint64_t fingerprint_of_start(const PointData& points) {
@@ -189,6 +193,7 @@ MaterialPoints MaterialPoints::unpack(VectorView<const unsigned char> bytes) {
     const auto settled = start.settled_at > 0.0 ? std::optional(start.settled_at) : std::nullopt;
     const Fabric fabric(grid, std::move(start.probability), {}, settled, mean, {}, start.largest);
     auto data = std::make_unique<Data>(material, fabric, static_cast<Index>(count), options);
+    data->start_rows = Array<double>(std::move(start.rows));  // as the solver had handed them on
     for (Index i = 0; i < data->begin.size(); ++i) read(in, *data, i);
     in.require_end();
     return MaterialPoints(std::move(data));
