@@ -230,8 +230,9 @@ loading_rate : float
 scheme : {"conservative", "paper"}
     Fragments on the grid, as in `fragment_pmf`: "conservative" are finite volumes, under "paper" every
     crush moves at least one bin. Under either a cell moves whole, by the test of its centre.
-path : {"automatic", "transforms", "sums"}
-    "transforms" takes FFTW in any case, and "sums" refuses laws that have none.
+path : {"automatic", "transforms", "sums", "direct"}
+    "transforms" takes FFTW in any case, "sums" refuses laws that have none, and "direct" pushes fragments bin by
+    bin, which a build without FFTW does for laws without sums; `path_taken` says which it is.
 effort : {"estimate", "measure"}
     How long FFTW may look for fast plans: milliseconds, or seconds for a somewhat faster step.
 
@@ -260,6 +261,9 @@ Examples
         .def_property_readonly(
             "path", [](const FullEngine& e) { return word_of(e.get().options().path); },
             "Means of spreading mass, as asked for.")
+        .def_property_readonly(
+            "path_taken", [](const FullEngine& e) { return word_of(e.get().path()); },
+            "Means of spreading mass that steps take: \"transforms\", \"sums\" or \"direct\".")
         .def("__repr__",
              [](const FullEngine& e) {
                  const FullConvolutionOptions& o = e.get().options();

@@ -75,10 +75,11 @@ struct Words<comminute::SolvePath> {
 template <>
 struct Words<comminute::StepPath> {
     static constexpr const char* parameter = "path";
-    static constexpr std::array<std::pair<const char*, comminute::StepPath>, 3> list{
+    static constexpr std::array<std::pair<const char*, comminute::StepPath>, 4> list{
         {{"automatic", comminute::StepPath::automatic},
          {"transforms", comminute::StepPath::transforms},
-         {"sums", comminute::StepPath::sums}}};
+         {"sums", comminute::StepPath::sums},
+         {"direct", comminute::StepPath::direct}}};
 };
 
 template <>

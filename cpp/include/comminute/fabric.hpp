@@ -138,7 +138,7 @@ class COMMINUTE_API Fabric {
     ///         those of the other members (to 1e-9)
     static Fabric from_parts(FabricParts parts);
 
-    friend bool operator==(const Fabric& a, const Fabric& b);
+    friend COMMINUTE_API bool operator==(const Fabric& a, const Fabric& b);
 
   private:
     friend class detail::FabricAccess;

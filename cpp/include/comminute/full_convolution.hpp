@@ -16,9 +16,10 @@ enum class PlanEffort {
 
 /// Means by which a step spreads mass.
 enum class StepPath {
-    automatic,   ///< sums where the fragments' law has them, else transforms
+    automatic,  ///< sums where the fragments' law has them, else transforms, or direct in a build without FFTW
     transforms,  ///< FFTW, any law, O(N^2 log N)
     sums,        ///< running sums, O(K N^2), for a law that is a sum of K exponentials from its first bin on
+    direct,      ///< bin by bin, any law, O(N) for each active cell
 };
 
 /// Choices of a FullConvolution: those of its kernel, and how it is computed.
@@ -44,8 +45,8 @@ struct FullConvolutionOptions : KernelOptions {
 /// Owns its workspace (about one state); one object per thread. A copy has a workspace of its own and shares FFTW's plans,
 /// which never change, so it costs no planning. A step allocates nothing.
 ///
-/// @throws UnavailableError if it needs FFTW and the library was built without; ParameterError as Kernel, and for sums that
-///         the law does not have
+/// @throws UnavailableError if transforms are asked for and the library was built without FFTW; ParameterError as Kernel, and
+///         for sums that the law does not have
 ///
 /// @code{.cpp}
 /// comminute::LogGrid grid(-6.0, 1.0, 64);
@@ -80,13 +81,15 @@ class COMMINUTE_API FullConvolution {
     const Material& material() const;
     const FullConvolutionOptions& options() const;
     const Kernel& kernel() const;
+    /// The path that steps take: transforms, sums or direct.
+    StepPath path() const;
 
   private:
     struct Work;
     std::unique_ptr<Work> work_;
 };
 
-/// Tells whether this build has FFTW, and so FullConvolution for any law.
+/// Tells whether this build has FFTW, and so FullConvolution its transforms.
 COMMINUTE_API bool has_fftw();
 
 /// Lends the library the lock with which the host guards FFTW's planner.

@@ -8,6 +8,7 @@
 
 #include "base/check.hpp"
 #include "simd/loops.hpp"
+#include "stepping/direct_step.hpp"
 #include "stepping/sum_step.hpp"
 #ifdef COMMINUTE_HAS_FFTW
 #include "stepping/transform_step.hpp"
@@ -31,8 +32,15 @@ void require_all_finite(MatrixView<const double> p) {
 struct FullConvolution::Work {
     Work(const LogGrid& grid, const Material& material, const FullConvolutionOptions& o)
         : options(o), kernel(grid, material, o), runs(grid, material) {
-        if (options.path != StepPath::transforms) set_sums();
-        if (!sums) set_transforms();
+        if (options.path == StepPath::automatic || options.path == StepPath::sums) set_sums();
+        const bool wants_direct =
+            options.path == StepPath::direct || (options.path == StepPath::automatic && !has_fftw());
+        if (sums) return;
+        if (wants_direct) {
+            direct.emplace(kernel);
+        } else {
+            set_transforms();
+        }
     }
 
     void set_sums() {
@@ -61,6 +69,7 @@ struct FullConvolution::Work {
     Kernel kernel;
     ZoneRuns runs;
     std::optional<SumStep> sums;
+    std::optional<DirectStep> direct;
 #ifdef COMMINUTE_HAS_FFTW
     std::optional<TransformStep> transforms;
 #endif
@@ -88,7 +97,13 @@ StepReport FullConvolution::step(MatrixView<const double> p, double stress_ratio
 #ifdef COMMINUTE_HAS_FFTW
     if (work_->transforms) return work_->transforms->run(p, work_->kernel, work_->runs, out);
 #endif
+    if (work_->direct) return work_->direct->run(p, work_->kernel, work_->runs, out);
     return work_->sums->run(p, work_->kernel, work_->runs, out);
+}
+
+StepPath FullConvolution::path() const {
+    if (work_->sums) return StepPath::sums;
+    return work_->direct ? StepPath::direct : StepPath::transforms;
 }
 
 const LogGrid& FullConvolution::grid() const {

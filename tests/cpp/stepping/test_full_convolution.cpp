@@ -153,11 +153,14 @@ TEST_CASE("a step says by what means it was taken, and refuses sums that a law d
                   "automatic, "
                   "or transforms");
 #ifdef COMMINUTE_HAS_FFTW
-    CHECK(FullConvolution(grid, lognormal, exact).step(start.view(), load, out.view()).terms == 0);
+    const StepPath without_sums = StepPath::transforms;
 #else
-    CHECK_THROWS_WITH_AS(FullConvolution(grid, lognormal, exact), doctest::Contains("libfftw3-dev"),
-                         comminute::UnavailableError);
+    const StepPath without_sums = StepPath::direct;
 #endif
+    FullConvolution of_lognormal(grid, lognormal, exact);
+    CHECK(of_lognormal.path() == without_sums);
+    CHECK(of_lognormal.step(start.view(), load, out.view()).terms == 0);
+    CHECK(by_choice.path() == StepPath::sums);
 }
 
 TEST_CASE("where everything crushes at every step the drops of psi are Gamma distributed") {
@@ -233,7 +236,7 @@ TEST_CASE("without FFTW the full convolution says what is missing") {
     CHECK(!comminute::has_fftw());
     const FullConvolutionOptions options{{}, StepPath::transforms};
     CHECK_THROWS_WITH_AS(FullConvolution(LogGrid(-2.0, 0.0, 8), Material{}, options),
-                         doctest::Contains("FFTW"), comminute::UnavailableError);
+                         doctest::Contains("libfftw3-dev"), comminute::UnavailableError);
 }
 
 #endif

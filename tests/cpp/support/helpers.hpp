@@ -148,7 +148,7 @@ Engine wrap(const std::string& name, E engine) {
 
 // The means by which this build can take a full step of a kernel.
 inline std::vector<comminute::StepPath> step_paths(const comminute::Kernel& kernel) {
-    std::vector<comminute::StepPath> paths;
+    std::vector<comminute::StepPath> paths{comminute::StepPath::direct};
 #ifdef COMMINUTE_HAS_FFTW
     paths.push_back(comminute::StepPath::transforms);
 #endif
@@ -165,9 +165,10 @@ inline std::vector<Engine> all_engines(const comminute::LogGrid& grid, const com
     const auto add = [&](const std::string& name, comminute::KernelKind kind, double rate) {
         const comminute::KernelOptions options{kind, rate, scheme};
         for (const comminute::StepPath path : step_paths({grid, material, options})) {
-            const bool sums = path == comminute::StepPath::sums;
-            engines.push_back(wrap(name + (sums ? ", sums" : ""),
-                                   comminute::FullConvolution(grid, material, {options, path})));
+            const std::string by = path == comminute::StepPath::sums     ? ", sums"
+                                   : path == comminute::StepPath::direct ? ", direct"
+                                                                         : "";
+            engines.push_back(wrap(name + by, comminute::FullConvolution(grid, material, {options, path})));
         }
     };
     add("exact", comminute::KernelKind::exact, 0.0);
