@@ -136,7 +136,7 @@ class COMMINUTE_API LatticeState {
     const std::vector<LatticeRing>& rings() const { return rings_; }
 
     /// Equal state and equal future; the number of threads does not count.
-    friend bool operator==(const LatticeState& a, const LatticeState& b);
+    friend COMMINUTE_API bool operator==(const LatticeState& a, const LatticeState& b);
 
   protected:
     LatticeState(Index cells, Material material, const Grading& grading, const LatticeOptions& options);
