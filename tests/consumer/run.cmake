@@ -31,9 +31,9 @@ if(WITH_FORTRAN)
   list(APPEND hosts ${SCRATCH}/build/host_fortran)
 endif()
 if(LIBRARY)
-  list(APPEND hosts "${PYTHON} ${TREE}/tests/hosts/host.py ${LIBRARY}")
+  list(APPEND hosts "${PYTHON} ${TREE}/tests/hosts/ctypes_host.py ${LIBRARY}")
 endif()
-run(${PYTHON} ${TREE}/tests/hosts/compare.py ${hosts})
+run(${PYTHON} ${TREE}/tests/hosts/same_numbers.py ${hosts})
 
 # The same by pkg-config, where there is one.
 find_program(PKG_CONFIG pkg-config)

@@ -1,4 +1,4 @@
-"""A host by ctypes: loads a packing in cycles as the host in C does, and prints the same numbers: host.py LIBRARY."""
+"""A host by ctypes: loads a packing in cycles as the host in C does, and prints the same numbers: ctypes_host.py LIBRARY."""
 
 import ctypes
 import sys

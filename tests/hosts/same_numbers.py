@@ -1,4 +1,4 @@
-"""Hold the exact numbers that hosts print against those of the first: compare.py 'COMMAND' 'COMMAND' ..."""
+"""Hold the exact numbers that hosts print against those of the first: same_numbers.py 'COMMAND' 'COMMAND' ..."""
 
 import shlex
 import struct
@@ -7,14 +7,14 @@ import sys
 
 
 def number(word: str) -> float:
-    """A number in C's hexadecimal form, or the sixteen digits of its bits, as Fortran prints it."""
+    """Read a number in C's hexadecimal form, or the sixteen digits of its bits, as Fortran prints it."""
     if len(word) == 16 and "x" not in word:
         return float(struct.unpack(">d", bytes.fromhex(word))[0])
     return float.fromhex(word)
 
 
 def printed(command: str) -> list[float]:
-    """All numbers that a host prints; its end with an error is ours."""
+    """Give all numbers that a host prints; its end with an error is ours."""
     done = subprocess.run(shlex.split(command), capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise SystemExit(f"{command}: {done.stdout[-200:]}{done.stderr}")
