@@ -1,4 +1,4 @@
-"""A host by ctypes: loads a packing in cycles as the host in C does, and prints the same numbers: ctypes_host.py LIBRARY."""
+"""A host by ctypes: loads a packing in cycles as the host in C does, and prints the same numbers: its LIBRARY is named."""
 
 import ctypes
 import sys
@@ -65,7 +65,7 @@ def done(code: int) -> None:
 
 
 def doubles(*numbers: float) -> ctypes.Array[ctypes.c_double]:
-    """An array for the library."""
+    """Make an array for the library."""
     return (ctypes.c_double * len(numbers))(*numbers)
 
 
