@@ -1,4 +1,4 @@
-"""A host by ctypes: loads a packing in cycles as the host in C does, and prints the same numbers: its LIBRARY is named."""
+"""A host by ctypes loads a packing in cycles as the host in C does, and prints the same numbers: give the library."""
 
 import ctypes
 import sys

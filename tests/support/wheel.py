@@ -18,8 +18,8 @@ def seconds(statement: str) -> float:
 def main() -> None:
     """Solve, step without FFTW, and import."""
     material = cm.Material(fragments=cm.LogNormalFragments())
-    start, grid = cm.power_law(2.5, 0.01, 1.0), cm.LogGrid(-8.0, 0.0, 64)
-    result = cm.Simulation(material, start, grid=grid).run(stress_ratio=[1.0, 30.0])
+    start, grid = cm.power_law(2.5, 0.01, 1.0), cm.LogGrid(-8.0, 0.0, 128)
+    result = cm.Simulation(material, start, grid=grid).run(stress_ratio=[2.0, 30.0])
     assert 0.0 < result.crushes[0] < result.crushes[1]
     if not cm.has_fftw:
         assert cm.FullConvolution(grid, material, "exact").path_taken == "direct"

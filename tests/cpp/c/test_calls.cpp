@@ -11,7 +11,7 @@
 #include "support/helpers.hpp"
 
 TEST_CASE("a million calls from C ask for no memory") {
-    constexpr int64_t count = 500;
+    constexpr int64_t count = 500 / support::shortened;
     char message[COMMINUTE_MESSAGE_SIZE];
     comminute_material_options of_material;
     comminute_material_defaults(&of_material);
@@ -51,7 +51,7 @@ TEST_CASE("a million calls from C ask for no memory") {
     for (int k = 0; k < 200; ++k) step(k);
     const long long before = support::allocations();
     for (int k = 200; k < 400; ++k) step(k);
-    for (int call = 0; call < 1000000; ++call) {
+    for (int call = 0; call < 1000000 / support::shortened; ++call) {
         const auto point = static_cast<int64_t>(call % count);
         worst = std::max(
             worst, comminute_points_grading(points, point, 0, masses.data(), 12, message, sizeof message));
