@@ -35,6 +35,21 @@ if(LIBRARY)
 endif()
 run(${PYTHON} ${TREE}/tests/hosts/same_numbers.py ${hosts})
 
+# The example hosts, each with its picture where Python can draw.
+run(${CMAKE_COMMAND} -S ${TREE}/examples/oedometer -B ${SCRATCH}/oedometer -G ${GENERATOR}
+    -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} ${nothing})
+run(${CMAKE_COMMAND} --build ${SCRATCH}/oedometer)
+set(example ${TREE}/examples/oedometer)
+run(${SCRATCH}/oedometer/oedometer ${example}/sand.csv ${example}/path.csv ${SCRATCH}/oedometer)
+execute_process(COMMAND ${PYTHON} -c "import matplotlib" RESULT_VARIABLE no_matplotlib ERROR_QUIET)
+if(NOT no_matplotlib)
+  run(${PYTHON} ${example}/draw.py ${SCRATCH}/oedometer)
+  file(SIZE ${SCRATCH}/oedometer/oedometer.png size)
+  if(size LESS 20000)
+    message(FATAL_ERROR "the picture of the oedometer has ${size} bytes")
+  endif()
+endif()
+
 # The same by pkg-config, where there is one.
 find_program(PKG_CONFIG pkg-config)
 if(PKG_CONFIG AND NOT CXX_FLAGS MATCHES "sanitize")
