@@ -3,8 +3,8 @@
 
 namespace support {
 
-/// One where the compiler optimises; where it does not, long loops are shortened by it.
-#ifdef __OPTIMIZE__
+/// One in an optimised build; in others, and under sanitizers, long loops are shortened by it.
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 constexpr int shortened = 1;
 #else
 constexpr int shortened = 20;
