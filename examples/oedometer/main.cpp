@@ -3,7 +3,7 @@
 //
 //     oedometer sand.csv path.csv OUT
 //
-// leaves gradings.csv and indices.csv in the folder OUT, from which draw.py makes the figure.
+// leaves gradings.csv and indices.csv in the folder OUT, from which draw_oedometer.py makes the figure.
 #include <algorithm>
 #include <cmath>
 #include <comminute/comminute.hpp>

@@ -35,19 +35,51 @@ if(LIBRARY)
 endif()
 run(${PYTHON} ${TREE}/tests/hosts/same_numbers.py ${hosts})
 
-# The example hosts, each with its picture where Python can draw.
-run(${CMAKE_COMMAND} -S ${TREE}/examples/oedometer -B ${SCRATCH}/oedometer -G ${GENERATOR}
-    -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} ${nothing})
-run(${CMAKE_COMMAND} --build ${SCRATCH}/oedometer)
-set(example ${TREE}/examples/oedometer)
-run(${SCRATCH}/oedometer/oedometer ${example}/sand.csv ${example}/path.csv ${SCRATCH}/oedometer)
-execute_process(COMMAND ${PYTHON} -c "import matplotlib" RESULT_VARIABLE no_matplotlib ERROR_QUIET)
-if(NOT no_matplotlib)
-  run(${PYTHON} ${example}/draw.py ${SCRATCH}/oedometer)
-  file(SIZE ${SCRATCH}/oedometer/oedometer.png size)
-  if(size LESS 20000)
-    message(FATAL_ERROR "the picture of the oedometer has ${size} bytes")
+# Components: what a build has is found, and what none has is refused by name.
+foreach(components c fftw arrows)
+  file(WRITE ${SCRATCH}/${components}/CMakeLists.txt
+       "cmake_minimum_required(VERSION 3.22)\nproject(components CXX)\nfind_package(comminute REQUIRED COMPONENTS ${components})\n")
+  execute_process(COMMAND ${CMAKE_COMMAND} -S ${SCRATCH}/${components} -B ${SCRATCH}/${components}/build -G ${GENERATOR}
+                          -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DCMAKE_CXX_COMPILER=${CXX_COMPILER} ${nothing}
+                  RESULT_VARIABLE refused OUTPUT_QUIET ERROR_VARIABLE words)
+  if(components STREQUAL "c" OR (components STREQUAL "fftw" AND WITH_FFTW))
+    set(wanted 0)
+  else()
+    set(wanted 1)
   endif()
+  if(NOT refused EQUAL wanted OR (wanted EQUAL 1 AND NOT words MATCHES "no component[ \n]*'${components}'"))
+    message(FATAL_ERROR "component ${components}: ${refused} instead of ${wanted}: ${words}")
+  endif()
+endforeach()
+
+# The example hosts, each with its picture where Python can draw.
+execute_process(COMMAND ${PYTHON} -c "import matplotlib, meshio" RESULT_VARIABLE cannot_draw ERROR_QUIET)
+function(run_example name)
+  set(example ${TREE}/examples/${name})
+  set(out ${SCRATCH}/${name}/out)
+  run(${CMAKE_COMMAND} -S ${example} -B ${SCRATCH}/${name} -G ${GENERATOR}
+      -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_CXX_FLAGS=${CXX_FLAGS} ${nothing})
+  run(${CMAKE_COMMAND} --build ${SCRATCH}/${name})
+  file(MAKE_DIRECTORY ${out})
+  list(TRANSFORM ARGN REPLACE "^OUT$" ${out})
+  run(${SCRATCH}/${name}/${name} ${ARGN})
+  if(cannot_draw)
+    return()
+  endif()
+  run(${PYTHON} ${example}/draw_${name}.py ${out})
+  file(SIZE ${out}/${name}.png size)
+  if(size LESS 20000)
+    message(FATAL_ERROR "the picture of ${name} has ${size} bytes")
+  endif()
+  if(EXISTS ${TREE}/tests/hosts/${name}_holds.py)
+    run(${PYTHON} ${TREE}/tests/hosts/${name}_holds.py ${out})
+  endif()
+endfunction()
+run_example(oedometer ${TREE}/examples/oedometer/sand.csv ${TREE}/examples/oedometer/path.csv OUT)
+if(CXX_FLAGS MATCHES "sanitize")
+  run_example(mpm_column OUT 2)  # as many cycles as it takes to rearrange the layer once
+else()
+  run_example(mpm_column OUT)
 endif()
 
 # The same by pkg-config, where there is one.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <hwy/cache_control.h>
+
 #include "simd/lanes.hpp"
 
 namespace comminute::detail {
@@ -32,7 +34,7 @@ void transpose(const double* from, Index from_stride, double* to, Index to_strid
 
 /// Asks for a piece of memory that will be wanted soon, at an address that no machine foresees.
 inline void fetch(const double* from, Index count) {
-    for (Index k = 0; k < count + lanes; k += lanes) __builtin_prefetch(from + k);
+    for (Index k = 0; k < count + lanes; k += lanes) hwy::Prefetch(from + k);
 }
 
 }  // namespace comminute::detail

@@ -1,4 +1,4 @@
-"""Figure of a test in an oedometer from what the host wrote: draw.py OUT leaves OUT/oedometer.png."""
+"""Figure of a test in an oedometer from what the host wrote: draw_oedometer.py OUT leaves OUT/oedometer.png."""
 
 import csv
 import sys
