@@ -17,9 +17,10 @@ if(SHARED)
   # A shared library carries what it links: its host has none of it.
   set(nothing -DCMAKE_DISABLE_FIND_PACKAGE_FFTW3=ON -DCMAKE_DISABLE_FIND_PACKAGE_hwy=ON -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON)
 endif()
+string(REGEX MATCH "-fsanitize=[^ ]+" sanitizers "${CXX_FLAGS}")
 run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${SCRATCH}/build -G ${GENERATOR}
     -DCMAKE_PREFIX_PATH=${SCRATCH}/prefix -DWANTED_VERSION=${VERSION} -DTREE=${TREE} -DCMAKE_CXX_COMPILER=${CXX_COMPILER}
-    -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_C_FLAGS=${CXX_FLAGS} -DWITH_FORTRAN=${WITH_FORTRAN} -DNATIVE=${NATIVE} ${nothing})
+    -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_C_FLAGS=${CXX_FLAGS} -DCMAKE_Fortran_FLAGS=${sanitizers} -DWITH_FORTRAN=${WITH_FORTRAN} -DNATIVE=${NATIVE} ${nothing})
 run(${CMAKE_COMMAND} --build ${SCRATCH}/build)
 foreach(host consumer consumer20 consumer_native umat)
   if(EXISTS ${SCRATCH}/build/${host})
