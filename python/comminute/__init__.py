@@ -68,6 +68,12 @@ from comminute._core import (
 )
 from comminute.closures import ClosureComparison, compare_closures
 from comminute.files.storage import EditedFileWarning
+from comminute.fitting.fit import fit
+from comminute.fitting.measurements import Measurement, UnknownStart
+from comminute.fitting.outcome import FitResult
+from comminute.fitting.problem import FitProblem
+from comminute.fitting.search import FitWarning
+from comminute.fitting.strengths import StrengthSlope, strength_slope
 from comminute.gradings.breakage import (
     Breakage,
     FractalFit,
@@ -100,6 +106,9 @@ __all__ = [
     "CrushZones",
     "EditedFileWarning",
     "Fabric",
+    "FitProblem",
+    "FitResult",
+    "FitWarning",
     "FolkWard",
     "FractalFit",
     "FullConvolution",
@@ -112,6 +121,7 @@ __all__ = [
     "Marginal",
     "Material",
     "MaterialPoints",
+    "Measurement",
     "Milling",
     "ParameterError",
     "PointMass",
@@ -134,10 +144,12 @@ __all__ = [
     "SmallRing",
     "SolveReport",
     "StepReport",
+    "StrengthSlope",
     "StressMeasure",
     "TabulatedFragments",
     "TimeSteppedLattice",
     "UnavailableError",
+    "UnknownStart",
     "WeibullFragments",
     "Zone",
     "__version__",
@@ -151,6 +163,7 @@ __all__ = [
     "crush_zones",
     "curvature",
     "fines_share",
+    "fit",
     "fitting_grid",
     "folk_ward",
     "fractal_dimension",
@@ -177,6 +190,7 @@ __all__ = [
     "run_again",
     "sieve_size",
     "sieve_sizes",
+    "strength_slope",
     "stress_function",
     "stress_ratio_at",
     "uniform_size",

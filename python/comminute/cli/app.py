@@ -25,6 +25,7 @@ from comminute.cases.running import (
     summary,
 )
 from comminute.cli import texts as cli_texts
+from comminute.fitting.search import FitWarning
 from comminute.result import Interrupted, Result
 from comminute.runs.remarks import ResolutionWarning
 from comminute.util.errors import parameter_error
@@ -108,7 +109,7 @@ def new(folder: Annotated[Path, typer.Argument(metavar="DIR")], force: Force = F
 @app.command()
 @plain_errors
 def check(case: Annotated[Path, typer.Argument(metavar="CASE.toml")], as_json: Json = False) -> None:
-    """Read a case and its files, and say what would run; nothing is computed or written."""
+    """Read a case and its files, and say what would run and roughly what it would do; nothing is written."""
     cases = read_case(case)
     if as_json:
         print(json.dumps([json.loads(ready.text()) | {"target": str(ready.target)} for ready in cases]))
@@ -301,6 +302,82 @@ def compare_closures(
         cli_plots.save(found.plot(), output)
         if not as_json:
             print(f"wrote {output}")
+
+
+@app.command(name="fit")
+@plain_errors
+def fit_command(
+    files: Annotated[list[str], typer.Argument(metavar="SIEVES.csv@STRESS...")],
+    start: Annotated[
+        Path | None, typer.Option("--start", help="Sieve table of the start; or name it SIEVES.csv@0.")
+    ] = None,
+    free: Annotated[
+        str, typer.Option("--free", help="Parameters to find, with commas between.")
+    ] = "fabric_width,weibull_modulus,first_crush_stress",
+    fixed: Annotated[
+        list[str] | None, typer.Option("--fix", help="NAME=VALUE of a parameter that is not free.")
+    ] = None,
+    reference_size: Annotated[
+        float | None, typer.Option("--reference-size", help="Default: the largest grain.")
+    ] = None,
+    closure: Annotated[str, typer.Option("--closure", help="paper, resolved or lattice.")] = "paper",
+    error: Annotated[float, typer.Option("--error", help="Standard deviation of a mass fraction finer.")] = 0.01,
+    intervals: Annotated[str, typer.Option("--intervals", help="covariance or profile.")] = "covariance",
+    starts: Annotated[int, typer.Option("--starts", help="Starts of the search.")] = 4,
+    output: Annotated[
+        list[Path] | None,
+        typer.Option("--output", "-o", help="Case (.toml), numbers (.json) or picture; again for more."),
+    ] = None,
+    number: Number = SIEVES["number"],
+    top: Top = SIEVES["top"],
+    sheet: SheetName = None,
+    sample: Sample = None,
+    mesh: Mesh = None,
+    total_mass_g: TotalMass = None,
+    edges: Edges = None,
+    as_json: Json = False,
+    force: Force = False,
+) -> None:
+    """Find the parameters of a sand from gradings measured before and after loading."""
+    from comminute.cli import fits as cli_fits  # noqa: PLC0415  (keeps the other commands quick)
+
+    pictures = {".png", ".pdf", ".svg"}
+    targets = output or []
+    drawn = [target for target in targets if target.suffix in pictures]
+    cli_plots = _plots("--output") if drawn else None
+    for target in targets:
+        _require_writable(target, (".toml", ".json", *sorted(pictures)))
+        _refuse_existing(target, force)
+    table = {"number": number, "top": top, "sheet": sheet, "sample": sample}
+    table |= {"mesh": mesh, "total_mass_g": total_mass_g, "edges": edges}
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", FitWarning)
+        found, unit = cli_fits.fitted(
+            files,
+            start=start,
+            free=[name.strip() for name in free.split(",") if name.strip()],
+            fixed=fixed or [],
+            reference_size=reference_size,
+            table=table,
+            closure=closure,
+            error=error,
+            intervals=intervals,
+            starts=starts,
+        )
+    remarks = [str(one.message) for one in said if issubclass(one.category, FitWarning)]
+    if as_json:
+        print(json.dumps(cli_fits.record(found, unit) | {"warnings": remarks}))
+    else:
+        print(found.table())
+        for remark in remarks:
+            print(f"warning: {remark}")
+    for target in targets:
+        if target in drawn and cli_plots is not None:
+            cli_plots.save(found.plot(), target)
+        else:
+            found.save(target)
+        if not as_json:
+            print(f"wrote {target}")
 
 
 @app.command()

@@ -26,6 +26,7 @@ RUN = cm.Simulation(MATERIAL, cm.gap_graded(1.0, 0.2), grid=GRID).run(stress_rat
 RINGS = cm.Lattice(50, MATERIAL, cm.gap_graded(1.0, 0.2))
 RINGS_RUN = RINGS.run(stress_ratio=[1.0, 8.0], grid=GRID)
 
+FITTED = cm.fit([(9.0, SAND)], cm.power_law(2.0, 0.3, 1.5), MATERIAL, ["fabric_width"], starts=1)
 THINGS = [
     GRID,
     MATERIAL,
@@ -74,6 +75,11 @@ THINGS = [
     cm.ResponseTable(MATERIAL, SAND, GRID, 5.0, tolerance=0.01),
     cm.MaterialPoints(MATERIAL, SAND, 2, GRID),
     cm.ResponseFamily(MATERIAL, SAND, [0.0, 0.1], variable="loading_rate", grid=GRID, largest=2.0, refine=False),
+    cm.Measurement(5.0, np.array([1.0, 0.5]), np.array([0.9, 0.5]), unit="mm"),
+    cm.UnknownStart(0.5, 0.6, 2.0),
+    cm.strength_slope([40.0, 20.0, 11.0], [1.0, 2.0, 4.0]),
+    FITTED,
+    FITTED.problem,
     cm.Zone(1),
 ]
 FAULTS = [
@@ -82,6 +88,7 @@ FAULTS = [
     cm.UnavailableError("c"),
     cm.ResolutionWarning("d"),
     cm.EditedFileWarning("e"),
+    cm.FitWarning("f"),
 ]
 
 

@@ -1,0 +1,1 @@
+"""Parameters from measured gradings: the problem, its solution, and how well its parameters are known. Needs scipy."""
