@@ -68,6 +68,7 @@ from comminute._core import (
 )
 from comminute.closures import ClosureComparison, compare_closures
 from comminute.files.storage import EditedFileWarning
+from comminute.files.tables import Table
 from comminute.fitting.fit import fit
 from comminute.fitting.measurements import Measurement, UnknownStart
 from comminute.fitting.outcome import FitResult
@@ -146,6 +147,7 @@ __all__ = [
     "StepReport",
     "StrengthSlope",
     "StressMeasure",
+    "Table",
     "TabulatedFragments",
     "TimeSteppedLattice",
     "UnavailableError",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TypeVar, Unpack
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Self, TypeVar, Unpack
 from comminute._core import Fabric, ResolvedGrid
 from comminute.files.arrays import save_npz
 from comminute.files.storage import save_netcdf, to_dataset
+from comminute.files.tables import INDICES, Table, grading_table, load_table, result_curves, write_workbook
 from comminute.runs.continuing import again, fabric_after, resumed
 from comminute.runs.load_path import AxialStress, Keep, Stress, load_path, wanted_fabrics
 from comminute.runs.outcomes import Outcome
@@ -97,6 +98,80 @@ class Result(ResultData):
             Naming the extra to install.
         """
         return to_dataset(self)
+
+    def grading_table(self, sieves: str | Sequence[float] | None = None) -> Table:
+        """Tabulate the per cent finer on sieves, at the start and after each load.
+
+        Parameters
+        ----------
+        sieves : str or sequence of float, optional
+            Series by name ("ISO R20/3"), or openings. Left out, those of a measured start, else the edges of the bins.
+
+        Raises
+        ------
+        ParameterError
+            For sieves that are none.
+        """
+        if sieves is None:
+            sieves = list(self.measured.size if self.measured is not None else self.edge_size)
+        return grading_table(result_curves(self), sieves)
+
+    def load_table(self, indices: Sequence[str] = INDICES) -> Table:
+        """Tabulate indices by load: sizes such as "D90", "Cu", "Cc", "B", "Br", "fines", "crushes".
+
+        Raises
+        ------
+        ParameterError
+            For a name it does not know.
+
+        Examples
+        --------
+        >>> import comminute as cm
+        >>> sand = cm.fuller(2.0).with_unit("mm")
+        >>> run = cm.Simulation(cm.Material(reference_size=2.0, fabric_width=0.3), sand).run(stress_ratio=20.0)
+        >>> run.load_table(["D50", "Br"]).columns
+        ('stress ratio', 'D50 (mm)', 'Br')
+        """
+        return load_table(self, indices)
+
+    def to_pandas(self, indices: Sequence[str] = INDICES) -> Any:
+        """DataFrame of `load_table`, by load; `grading_table().to_pandas()` has the gradings. Needs pandas.
+
+        Raises
+        ------
+        ParameterError
+            For a name it does not know.
+        ImportError
+            Naming the extra to install.
+        """
+        return self.load_table(indices).to_pandas()
+
+    def to_csv(self, path: str | os.PathLike[str], sieves: str | Sequence[float] | None = None) -> Path:
+        """Write `grading_table` to a file with commas, complete or not at all.
+
+        Raises
+        ------
+        ParameterError
+            For sieves that are none.
+        """
+        return self.grading_table(sieves).to_csv(path)
+
+    def to_excel(
+        self,
+        path: str | os.PathLike[str],
+        sieves: str | Sequence[float] | None = None,
+        indices: Sequence[str] = INDICES,
+    ) -> Path:
+        """Write a workbook with the sheets "gradings" and "loads", complete or not at all; needs openpyxl.
+
+        Raises
+        ------
+        ParameterError
+            For sieves or a name that are none.
+        ImportError
+            Naming the extra to install.
+        """
+        return write_workbook({"gradings": self.grading_table(sieves), "loads": self.load_table(indices)}, path)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write a file, complete or not at all: NetCDF with all there is, or the arrays alone as .npz.

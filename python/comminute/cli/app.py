@@ -51,6 +51,9 @@ Sample = Annotated[str | None, typer.Option("--sample", help="Sample of a table 
 Mesh = Annotated[str | None, typer.Option("--mesh", help="Series of sieve numbers: astm (E11) or tyler.")]
 TotalMass = Annotated[float | None, typer.Option("--total-mass-g", help="Dry mass before washing [g].")]
 Edges = Annotated[str | None, typer.Option("--edges", help="Edge of its class that a size is: lower or upper.")]
+Percentiles = Annotated[
+    str | None, typer.Option("--percentiles", help="Sizes D_x wanted, as per cent with commas: 10,50,90.")
+]
 Force = Annotated[bool, typer.Option("--force", help="Overwrite files that exist.")]
 
 
@@ -121,7 +124,7 @@ def check(case: Annotated[Path, typer.Argument(metavar="CASE.toml")], as_json: J
 @app.command()
 @plain_errors
 def run(
-    case: Annotated[Path, typer.Argument(metavar="CASE.toml|RESULT.nc")],
+    files: Annotated[list[Path], typer.Argument(metavar="CASE.toml|RESULT.nc...")],
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Result file of a single run.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the loads that a stopped run finished.")] = False,
     as_json: Json = False,
@@ -130,13 +133,19 @@ def run(
     """Run a case, or run a result file again; print a table and write a result file for each run."""
     if output is not None:
         _require_writable(output, (".nc",))
-    if case.suffix == ".nc":
-        _run_again(case, output, as_json=as_json, force=force)
+    results = [file for file in files if file.suffix == ".nc"]
+    if results and len(files) > 1:
+        rule = "give one result, or cases alone"
+        raise parameter_error("run", len(files), rule, finding=f"is given {results[0].name} among other files")
+    if results:
+        _run_again(results[0], output, as_json=as_json, force=force)
         return
-    cases = read_case(case)
+    cases = [ready for file in files for ready in read_case(file)]
+    _require_own_targets(cases)
     if output is not None:
         if len(cases) > 1:
-            finding = f"names one file, and {case.name} makes {len(cases)} runs"
+            whose = files[0].name if len(files) == 1 else f"{len(files)} cases"
+            finding = f"names one file, and {whose} makes {len(cases)} runs"
             raise parameter_error("--output", output, finding=finding, remedy="leave_out")
         cases = [cases[0].at(output)]
     work = [(ready, _begun(ready, resume=resume, force=force)) for ready in cases]
@@ -150,6 +159,16 @@ def run(
         done.append(summary(result, ready.target, ready.varied))
     if as_json:
         print(json.dumps({"version": __version__, "runs": done}))
+
+
+def _require_own_targets(cases: Sequence[ReadyCase]) -> None:
+    """Refuse two runs that would write one file."""
+    seen: set[Path] = set()
+    for ready in cases:
+        if ready.target in seen:
+            rule = "give each case an [output] file of its own"
+            raise parameter_error("run", ready.target.name, rule, finding=f"would write {ready.target.name} twice")
+        seen.add(ready.target)
 
 
 def _begun(ready: ReadyCase, *, resume: bool, force: bool) -> tuple[Result | None, Result | None]:
@@ -218,7 +237,7 @@ def _run_again(file: Path, output: Path | None, *, as_json: bool, force: bool) -
 @app.command()
 @plain_errors
 def stats(
-    file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
+    files: Annotated[list[Path], typer.Argument(metavar="SIEVES.csv|RESULT.nc...")],
     number: Number = SIEVES["number"],
     top: Top = SIEVES["top"],
     sheet: SheetName = None,
@@ -227,15 +246,93 @@ def stats(
     total_mass_g: TotalMass = None,
     edges: Edges = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Follow the tail below the finest size.")] = False,
+    percentiles: Percentiles = None,
     as_json: Json = False,
 ) -> None:
-    """Compute the indices of a sieve table, or of every load of a result."""
+    """Compute the indices of sieve tables, or of every load of results."""
     from comminute.cli import stats as cli_stats  # noqa: PLC0415  (keeps the other commands quick)
+    from comminute.cli import tables as cli_tables  # noqa: PLC0415
 
     table = {"number": number, "top": top, "sheet": sheet, "sample": sample}
     table |= {"mesh": mesh, "total_mass_g": total_mass_g, "edges": edges}
-    found = cli_stats.stats_of(file, extrapolate=extrapolate, **table)
-    print(json.dumps(cli_stats.as_json(found)) if as_json else cli_stats.as_text(found))
+    percents = cli_tables.percents_of(percentiles) if percentiles else cli_stats.PERCENTS
+    found = [cli_stats.stats_of(file, extrapolate=extrapolate, percents=percents, **table) for file in files]
+    if as_json:
+        records = [cli_stats.as_json(one) for one in found]
+        print(json.dumps(records[0] if len(files) == 1 else {"files": records}))
+    else:
+        print("\n\n".join(cli_stats.as_text(one) for one in found))
+
+
+@app.command()
+@plain_errors
+def table(
+    files: Annotated[list[Path], typer.Argument(metavar="SIEVES.csv|RESULT.nc...")],
+    sieves: Annotated[
+        str | None, typer.Option("--sieves", help='Series ("ISO R20/3") or openings (2,1,0.5); default: as measured.')
+    ] = None,
+    percentiles: Percentiles = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Table: .csv or .xlsx.")] = None,
+    number: Number = SIEVES["number"],
+    top: Top = SIEVES["top"],
+    sheet: SheetName = None,
+    sample: Sample = None,
+    mesh: Mesh = None,
+    total_mass_g: TotalMass = None,
+    edges: Edges = None,
+    as_json: Json = False,
+    force: Force = False,
+) -> None:
+    """Put gradings on sieves side by side, and the indices of results by load."""
+    from comminute.cli import tables as cli_tables  # noqa: PLC0415  (keeps the other commands quick)
+
+    if output is not None:
+        _require_writable(output, cli_tables.ENDINGS)
+        _refuse_existing(output, force)
+    reading = {"number": number, "top": top, "sheet": sheet, "sample": sample}
+    reading |= {"mesh": mesh, "total_mass_g": total_mass_g, "edges": edges}
+    percents = cli_tables.percents_of(percentiles) if percentiles else None
+    found = cli_tables.tables_of(files, sieves=sieves, percents=percents, table=reading)
+    if as_json:
+        print(json.dumps(cli_tables.record(found)))
+    else:
+        print("\n\n".join(f"{name}\n{one}" for name, one in found.items()))
+    for written in cli_tables.save(found, output) if output is not None else []:
+        if not as_json:
+            print(f"wrote {written}")
+
+
+@app.command()
+@plain_errors
+def compare(
+    before: Annotated[Path, typer.Argument(metavar="BEFORE.csv")],
+    after: Annotated[Path, typer.Argument(metavar="AFTER.csv")],
+    percentiles: Percentiles = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Table: .csv or .xlsx.")] = None,
+    number: Number = SIEVES["number"],
+    top: Top = SIEVES["top"],
+    sheet: SheetName = None,
+    sample: Sample = None,
+    mesh: Mesh = None,
+    total_mass_g: TotalMass = None,
+    edges: Edges = None,
+    as_json: Json = False,
+    force: Force = False,
+) -> None:
+    """Compare two sieve tables: breakage, reduction ratio, sizes and their ratios."""
+    from comminute.cli import tables as cli_tables  # noqa: PLC0415  (keeps the other commands quick)
+
+    if output is not None:
+        _require_writable(output, cli_tables.ENDINGS)
+        _refuse_existing(output, force)
+    reading = {"number": number, "top": top, "sheet": sheet, "sample": sample}
+    reading |= {"mesh": mesh, "total_mass_g": total_mass_g, "edges": edges}
+    percents = cli_tables.percents_of(percentiles) if percentiles else (10.0, 30.0, 50.0, 60.0, 80.0, 90.0)
+    found = {"comparison": cli_tables.compared_files(before, after, percents=percents, table=reading)}
+    print(json.dumps(cli_tables.record(found)) if as_json else found["comparison"])
+    for written in cli_tables.save(found, output) if output is not None else []:
+        if not as_json:
+            print(f"wrote {written}")
 
 
 def _plots(what: str) -> ModuleType:
@@ -251,7 +348,11 @@ def _plots(what: str) -> ModuleType:
 @app.command()
 @plain_errors
 def plot(
-    file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
+    files: Annotated[list[Path], typer.Argument(metavar="SIEVES.csv|RESULT.nc...")],
+    measured: Annotated[
+        list[str] | None,
+        typer.Option("--measured", help="Sieve table to lay over it, after.csv@12MPa; again for more."),
+    ] = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Picture: .png, .pdf or .svg.")] = None,
     what: Annotated[str, typer.Option("--what", help="gradings, fabric or index.")] = "gradings",
     axes: Annotated[str, typer.Option("--axes", help="semilog, loglog or rosin-rammler.")] = "semilog",
@@ -267,15 +368,15 @@ def plot(
     edges: Edges = None,
     force: Force = False,
 ) -> None:
-    """Draw a sieve table or a result to a picture file; no window opens."""
+    """Draw sieve tables and results to a picture file; no window opens."""
     cli_plots = _plots("plot")
-    target = output or file.with_suffix(".png")
+    target = output or files[0].with_suffix(".png")
     _require_writable(target, cli_plots.ENDINGS)
     _refuse_existing(target, force)
     curves = {"axes": axes, "coarse_left": coarse_left, "phi": phi}
     table = {"number": number, "top": top, "sheet": sheet, "sample": sample}
     table |= {"mesh": mesh, "total_mass_g": total_mass_g, "edges": edges}
-    cli_plots.draw(file, target, what=what, load=load, table=table, **curves)
+    cli_plots.draw(files, target, what=what, load=load, table=table, measured=measured or [], **curves)
     print(f"wrote {target}")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,12 @@ from comminute.util.errors import parameter_error, reworded
 SILT = 0.063  # mm, ISO 14688
 
 
-def stats_of(file: Path, *, extrapolate: bool = False, **table: Any) -> dict[str, Any]:
+PERCENTS = (5, 10, 16, 30, 50, 60, 80, 84, 95)
+
+
+def stats_of(
+    file: Path, *, extrapolate: bool = False, percents: Sequence[float] = PERCENTS, **table: Any
+) -> dict[str, Any]:
     """Compute the indices of a sieve table, or of the start and every load of a result file.
 
     Parameters
@@ -30,6 +35,8 @@ def stats_of(file: Path, *, extrapolate: bool = False, **table: Any) -> dict[str
     file : Path
     extrapolate : bool
         Follow tails below the finest size.
+    percents : sequence of float
+        Per cent of the mass of the sizes D_x.
     **table
         Options of `Grading.read`, which a result has no use for.
 
@@ -45,19 +52,19 @@ def stats_of(file: Path, *, extrapolate: bool = False, **table: Any) -> dict[str
         result = open_result(file)
         start = result.start_curve
         quantity, names = load_labels(result)
-        rows = [{"of": "start"} | indices_of(start, extrapolate=extrapolate)]
+        rows = [{"of": "start"} | indices_of(start, extrapolate=extrapolate, percents=percents)]
         for k, name in enumerate(names):
             curve = result.curve(k)
             loads = {"stress_ratio": float(result.stress_ratio[k])}
             loads |= {} if result.stress is None else {"stress": float(result.stress[k])}
-            found = indices_of(curve, extrapolate=extrapolate) | _breakage(start, curve)
+            found = indices_of(curve, extrapolate=extrapolate, percents=percents) | _breakage(start, curve)
             found["marks"] = marks_of(found, curve, SILT, None)
             rows.append({"of": name} | loads | found)
         unit, notes = result.unit, result.notes
     else:
         grading, measured_top = read_sieve_table(file, **table)
         curve = SizeCurve.of(grading)
-        found = indices_of(curve, extrapolate=extrapolate)
+        found = indices_of(curve, extrapolate=extrapolate, percents=percents)
         found["marks"] = marks_of(found, curve, SILT, measured_top)
         rows = [{"of": file.name} | found]
         quantity, unit, notes = "", grading.unit, grading.notes
@@ -89,7 +96,7 @@ def require_no_options(file: Path, table: dict[str, Any]) -> None:
             raise parameter_error(option, value, rule, finding=f"is given, but {file.name} is a result")
 
 
-def indices_of(curve: SizeCurve, *, extrapolate: bool = False) -> dict[str, Any]:
+def indices_of(curve: SizeCurve, *, extrapolate: bool = False, percents: Sequence[float] = PERCENTS) -> dict[str, Any]:
     """Every index of one curve; `extrapolate` follows its tail below the finest size.
 
     Returns
@@ -106,8 +113,8 @@ def indices_of(curve: SizeCurve, *, extrapolate: bool = False) -> dict[str, Any]
             found[name] = None
             found["because"][name] = reworded(error, words=WORDS)
 
-    for percent in (5, 10, 16, 30, 50, 60, 80, 84, 95):
-        add(f"D{percent}", lambda percent=percent: curve.percentile(percent, extrapolate=extrapolate))  # type: ignore[misc]
+    for percent in percents:
+        add(f"D{percent:g}", lambda percent=percent: curve.percentile(percent, extrapolate=extrapolate))  # type: ignore[misc]
     add("phi50", lambda: float(phi(curve.percentile(50, extrapolate=extrapolate), curve.unit)))
     add("Cu", lambda: uniformity(curve, extrapolate=extrapolate))
     add("Cc", lambda: curvature(curve, extrapolate=extrapolate))

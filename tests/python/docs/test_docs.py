@@ -5,6 +5,7 @@ import importlib
 import importlib.util
 import inspect
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -122,7 +123,7 @@ def test_the_readme_runs_word_for_word(tmp_path: Path, monkeypatch: pytest.Monke
             continue
         for command, expected in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", block, re.MULTILINE):
             if command.startswith("comminute "):
-                call = [sys.executable, "-m", *command.split()]
+                call = [sys.executable, "-m", *shlex.split(command)]
                 done = subprocess.run(call, capture_output=True, text=True, check=True)
                 if expected:
                     assert_same_words(done.stdout, expected)

@@ -79,6 +79,7 @@ THINGS = [
     cm.UnknownStart(0.5, 0.6, 2.0),
     cm.strength_slope([40.0, 20.0, 11.0], [1.0, 2.0, 4.0]),
     FITTED,
+    RUN.load_table(["D50"]),
     FITTED.problem,
     cm.Zone(1),
 ]
