@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
 #include "arrays.hpp"
 #include "rooms.hpp"
 
@@ -24,6 +27,36 @@ py::class_<Law>& add_law_methods(py::class_<Law>& law) {
                 return py::vectorize([&l](double x) { return l.cdf(x); })(r);
             },
             py::arg("r"), "P[R <= r] (scalar or array); 1 for r >= 0.")
+        .def(
+            "sample",
+            [](const Law& l, const py::object& size, const py::object& rng) {
+                // A generator gives numbers in [0, 1), and quantile takes a share in (0, 1).
+                const auto uniform = py::array_t<double>(rng.attr("random")(size));
+                return py::vectorize([&l](double u) {
+                    return std::exp(l.quantile(std::clamp(u, 0x1p-60, 1.0 - 0x1p-53)));
+                })(uniform);
+            },
+            py::arg("size"), py::arg("rng"),
+            R"doc(Size-reduction factors X, drawn from the law: fragments of a grain of size s have sizes X s, by mass.
+
+Parameters
+----------
+size : int or tuple of int
+    Shape of the result.
+rng : numpy.random.Generator
+
+Returns
+-------
+ndarray
+
+Examples
+--------
+>>> import numpy as np
+>>> import comminute as cm
+>>> drawn = cm.PowerLawFragments(2.0).sample(10_000, np.random.default_rng(0))
+>>> drawn.shape, round(float(np.mean(drawn <= 0.5)), 2)  # P[X <= x] = x**2
+((10000,), 0.25)
+)doc")
         .def(
             "__eq__", [](const Law& a, const Law& b) { return a == b; }, py::is_operator());
 }

@@ -84,6 +84,7 @@ from comminute.gradings.breakage import (
     relative_breakage,
 )
 from comminute.gradings.curves import SieveTable, SizeCurve
+from comminute.gradings.dem import dem_text
 from comminute.gradings.indices import FolkWard, Milling, curvature, fines_share, folk_ward, milling, phi, uniformity
 from comminute.gradings.openings import sieve_size
 from comminute.gradings.sieves import sieve_sizes
@@ -164,6 +165,7 @@ __all__ = [
     "critical_stress_ratio",
     "crush_zones",
     "curvature",
+    "dem_text",
     "fines_share",
     "fit",
     "fitting_grid",

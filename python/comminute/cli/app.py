@@ -304,6 +304,34 @@ def table(
 
 @app.command()
 @plain_errors
+def dem(
+    file: Annotated[Path, typer.Argument(metavar="SIEVES.csv|RESULT.nc")],
+    code: Annotated[str, typer.Option("--code", help="yade, liggghts or mercury-dpm.")],
+    smallest: Annotated[float | None, typer.Option("--smallest", help="Smallest grain, in the file's unit.")] = None,
+    classes: Annotated[int, typer.Option("--classes", help="Classes of sizes, even in ln d.")] = 12,
+    density: Annotated[float, typer.Option("--density", help="Of the grains [kg/m3].")] = 2650.0,
+    load: Annotated[int, typer.Option("--load", help="Index of the load of a result.")] = -1,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Text file; else it is printed.")] = None,
+    top: Top = SIEVES["top"],
+    sample: Sample = None,
+    force: Force = False,
+) -> None:
+    """Write a grading as a particle code reads it, by mass and in metres."""
+    from comminute.cli import tables as cli_tables  # noqa: PLC0415  (keeps the other commands quick)
+
+    if output is not None:
+        _refuse_existing(output, force)
+    curve = cli_tables.one_curve(file, load, {"top": top, "sample": sample})
+    text = cli_tables.dem(curve, code, smallest=smallest, classes=classes, density=density)
+    if output is None:
+        print(text, end="")
+    else:
+        output.write_text(text, encoding="utf-8")
+        print(f"wrote {output}")
+
+
+@app.command()
+@plain_errors
 def compare(
     before: Annotated[Path, typer.Argument(metavar="BEFORE.csv")],
     after: Annotated[Path, typer.Argument(metavar="AFTER.csv")],

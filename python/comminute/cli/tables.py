@@ -11,6 +11,7 @@ from comminute.cli.stats import read_sieve_table, require_no_options
 from comminute.files.tables import INDICES, Cell, Table, grading_table, load_table, result_curves, write_workbook
 from comminute.gradings.breakage import breakage_index, relative_breakage
 from comminute.gradings.curves import SizeCurve
+from comminute.gradings.dem import dem_text
 from comminute.gradings.indices import milling
 from comminute.opening import open_result
 from comminute.util.errors import parameter_error, reworded
@@ -118,6 +119,26 @@ def curve_of(file: Path, table: dict[str, Any]) -> SizeCurve:
         rule = "it takes sieve tables; comminute stats has the indices of a result against its start"
         raise parameter_error("compare", file.name, rule, finding=f"is given {file.name}, a result")
     return SizeCurve.of(read_sieve_table(file, **table)[0])
+
+
+def one_curve(file: Path, load: int, table: dict[str, Any]) -> SizeCurve:
+    """Curve of a sieve table, or of one load of a result."""
+    if file.suffix != ".nc":
+        return curve_of(file, table)
+    require_no_options(file, table)
+    result = open_result(file)
+    if not -result.stress_ratio.size <= load < result.stress_ratio.size:
+        rule = f"it must be an index of a load, 0 to {result.stress_ratio.size - 1}"
+        raise parameter_error("--load", load, rule)
+    return result.curve(load)
+
+
+def dem(curve: SizeCurve, code: str, **options: Any) -> str:
+    """Text for a particle code; errors name the options of the command line."""
+    try:
+        return dem_text(curve, code, **options)  # type: ignore[arg-type]  # the word is checked there
+    except ParameterError as error:
+        raise reworded(error, words=WORDS) from None
 
 
 def compared_files(before: Path, after: Path, *, percents: tuple[float, ...], table: dict[str, Any]) -> Table:
