@@ -59,7 +59,8 @@ def fit(
     start : Grading or UnknownStart, optional
         Start of all data that name none; without a unit it takes that of the data.
     material : Material, optional
-        Values of everything that is not free, and from which the search starts; its reference_size is needed.
+        Values of everything that is not free, and from which the search starts; its reference_size, in the unit of the
+        data, is needed.
     free : sequence of str
         Any of "fabric_width", "weibull_modulus", "first_crush_stress", "fragment_scale", "fragment_shape" (of
         WeibullFragments), "loading_rate".

@@ -111,6 +111,8 @@ class Measurement:
         start: Start | None = None,
         error: float | Floats | None = None,
     ) -> None:
+        if isinstance(stress, str):
+            raise TypeError(f"stress is '{stress}'; it must be a number")
         size, finer = np.array(size, dtype=np.float64), np.array(finer, dtype=np.float64)
         own = {"stress": float(stress), "size": size, "finer": finer, "unit": unit, "start": start, "error": error}
         for name, value in own.items():
@@ -195,7 +197,13 @@ def measurements_of(data: Sequence[Any], start: Start | None, error: float) -> l
         if own is None:
             rule = "give start, for all or with this datum; an UnknownStart where nobody measured it"
             raise parameter_error("start", "None", rule, finding=f"is missing for data[{index}]")
+        if not isinstance(own, Grading | UnknownStart):
+            kind = type(own).__name__
+            raise TypeError(f"start is a {kind}; it must be a Grading (Grading.read reads a file) or an UnknownStart")
         sd = np.asarray(error if datum.error is None else datum.error, dtype=np.float64)
+        if sd.ndim and sd.shape != datum.size.shape:
+            rule = f"give one number, or one for each of the {datum.size.size} sieves"
+            raise parameter_error("error", sd.shape, rule, finding=f"of data[{index}] has shape {sd.shape}")
         sd = np.broadcast_to(sd, datum.size.shape)
         if not np.all((sd > 0.0) & np.isfinite(sd)):
             raise parameter_error("error", float(sd[~(sd > 0.0)][0]), "it must be greater than 0 and finite")
@@ -216,6 +224,9 @@ def _in_unit(datum: Measurement, unit: str, index: int) -> Measurement:
         elif start.unit != unit:
             rule = f"the data are in {unit}: make it in {unit} too"
             raise parameter_error("start", start.unit, rule, finding=f"of data[{index}] is in {start.unit}")
+    if isinstance(start, Grading) and start.unit and not unit:
+        rule = f"name their unit, unit='{start.unit}' for example"
+        raise parameter_error("data", "", rule, finding=f"has sieves without a unit, and its start is in {start.unit}")
     if not unit or datum.unit == unit:
         return replace(datum, start=start)
     if not datum.unit:

@@ -243,6 +243,20 @@ PAIR = [(5.0, cm.Grading.from_sieves([2.0, 1.0, 0.5], [100, 70, 20], unit="mm"))
         ),
         (lambda: cm.Measurement(1.0, [1.0], [0.5], unit="furlong"), cm.ParameterError, "unit is 'furlong'"),
         (lambda: cm.Measurement(1.0, [1.0, 2.0], [0.5]), cm.ParameterError, "both must be lists of one length"),
+        (lambda: cm.Measurement("20", [1.0], [0.5]), TypeError, "stress is '20'"),  # type: ignore[arg-type]
+        (lambda: cm.fit(PAIR, "sand.csv", MATERIAL), TypeError, r"start is a str; .*Grading\.read reads a file"),  # type: ignore[arg-type]
+        (
+            lambda: cm.fit([cm.Measurement(5.0, [1.0, 0.5], [0.7, 0.2])], START, MATERIAL, ["first_crush_stress"]),
+            cm.ParameterError,
+            "data has sieves without a unit, and its start is in mm",
+        ),
+        (
+            lambda: cm.fit(
+                [cm.Measurement(5.0, [1.0, 0.5], [0.7, 0.2], "mm", error=np.array([0.01]))], START, MATERIAL
+            ),
+            cm.ParameterError,
+            r"error of data\[0\] has shape \(1,\); give one number, or one for each of the 2 sieves",
+        ),
         (lambda: cm.UnknownStart(0.0, 0.5, 2.0), cm.ParameterError, "median is 0"),
     ],
 )
