@@ -6,10 +6,11 @@ import contextlib
 import dataclasses
 import glob
 import json
+import sys
 import time
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import IO, TYPE_CHECKING, Any, cast
 
 from comminute._core import ParameterError, ResolvedGrid
 from comminute.cases.reading import ReadyCase, case_of_text
@@ -41,12 +42,10 @@ def part_of(target: Path) -> Path:
 @contextlib.contextmanager
 def claimed(target: Path) -> Iterator[None]:
     """Keep a second run away from the same file for as long as this one lasts; the lock dies with the process."""
-    import fcntl  # noqa: PLC0415  (POSIX alone has it)
-
     lock = target.with_name(f".{target.stem}.lock")
     with lock.open("w") as file:
         try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _lock(file)
         except OSError:
             raise OutputExistsError(
                 f"another run is writing {target.name}; wait for it, or name another file"
@@ -57,7 +56,20 @@ def claimed(target: Path) -> Iterator[None]:
         try:
             yield
         finally:
-            lock.unlink(missing_ok=True)
+            with contextlib.suppress(PermissionError):  # Windows keeps a file that is open
+                lock.unlink(missing_ok=True)
+
+
+def _lock(file: IO[str]) -> None:
+    """Lock a file for this process, or raise OSError where another has done so."""
+    if sys.platform == "win32":
+        import msvcrt  # noqa: PLC0415  (Windows alone has it)
+
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+    else:
+        import fcntl  # noqa: PLC0415  (POSIX alone has it)
+
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def finished_loads(case: ReadyCase, file: Path, remedy: str) -> Result | None:
