@@ -265,6 +265,6 @@ def fit_command(
         if target in drawn and cli_plots is not None:
             cli_plots.save(found.plot(), target)
         else:
-            found.save(target)
+            found.save(target, stress_unit=unit)
         if not as_json:
             print(f"wrote {target}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -18,6 +18,7 @@ def case_text(
     loads: Sequence[float],
     loading_rate: float,
     closure: str,
+    units: Mapping[str, str],
     remarks: Sequence[str],
 ) -> str:
     """Text of a case with a material, a start as sieves, and loads.
@@ -30,6 +31,8 @@ def case_text(
         Stresses, or stress ratios where the material has no first crush stress.
     loading_rate : float
     closure : str
+    units : mapping of str to str
+        Of "size" and "stress"; an empty one is left out.
     remarks : sequence of str
         Lines of the comment at its head.
 
@@ -48,7 +51,7 @@ def case_text(
         raise parameter_error("path", ".toml", rule, finding="cannot have a case whose start has exact sizes")
     kind = "stress" if material.first_crush_stress is not None else "stress_ratio"
     tables: dict[str, dict[str, object]] = {
-        "units": {"size": start.unit} if start.unit else {},
+        "units": {name: unit for name, unit in units.items() if unit},
         "material": {
             "weibull_modulus": material.weibull_modulus,
             "fabric_width": material.fabric_width,

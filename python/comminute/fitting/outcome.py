@@ -294,7 +294,7 @@ class FitResult:
             "residuals": self.rows(),
         }
 
-    def save(self, path: str | os.PathLike[str], start: int = 0) -> Path:
+    def save(self, path: str | os.PathLike[str], start: int = 0, *, stress_unit: str = "") -> Path:
         """Write a case that is ready to run (.toml), or all numbers (.json).
 
         Parameters
@@ -302,6 +302,8 @@ class FitResult:
         path : path
         start : int
             Index among `starts` of the one that the case has.
+        stress_unit : str
+            Unit of the stresses, as text for the case; left out, the case says MPa as others do.
 
         Raises
         ------
@@ -312,17 +314,18 @@ class FitResult:
         if target.suffix == ".json":
             target.write_text(json.dumps(self.to_dict(), indent=1) + "\n", encoding="utf-8")
         elif target.suffix == ".toml":
-            target.write_text(self._case(start), encoding="utf-8")
+            target.write_text(self._case(start, stress_unit), encoding="utf-8")
         else:
             raise parameter_error("path", f"'{target}'", "it must end in .toml (a case) or .json (all numbers)")
         return target
 
-    def _case(self, start: int) -> str:
+    def _case(self, start: int, stress_unit: str) -> str:
         remarks = [f"Fitted to {len(self.data)} gradings: rms {self.rms:.4f} of the mass finer."]
         for name, (low, high) in self.intervals.items():
             remarks.append(f"{name} {self.values[name]:.4g}, {low:.4g} to {high:.4g} at 95 %")
         loads = [self.data[index].stress for index in self.problem.groups[start].data]
-        return case_text(self.material, self.starts[start], loads, self.loading_rate, self.closure, remarks)
+        units = {"size": self.starts[start].unit, "stress": stress_unit}
+        return case_text(self.material, self.starts[start], loads, self.loading_rate, self.closure, units, remarks)
 
     def plot(self) -> Figure:
         """Draw measured against fitted gradings, residuals, and intervals. Needs matplotlib."""

@@ -35,6 +35,10 @@ def test_a_fit_prints_a_table_and_writes_what_it_is_asked_for(tmp_path: Path) ->
     checked = CliRunner().invoke(app, ["check", str(targets[0])])
     assert checked.exit_code == 0, checked.output
     assert "3 loads, stress 5 to 80 MPa" in checked.output
+    in_kpa = [f"{path}@{1000 * stress}kPa" for path, stress in zip(FILES, (5, 20, 80), strict=True)]
+    assert call(*in_kpa, *START, *TWO, "-o", tmp_path / "kpa.toml").exit_code == 0
+    checked = CliRunner().invoke(app, ["check", str(tmp_path / "kpa.toml")])
+    assert "3 loads, stress 5000 to 80000 kPa" in checked.output
 
 
 def test_stresses_in_names_behind_files_and_a_start_among_them_are_one_fit() -> None:
