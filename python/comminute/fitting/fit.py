@@ -153,7 +153,7 @@ def fit(
             interrupted = True
     result = FitResult.of(problem, found, cov * widening, ends, kind, closure, interrupted=interrupted)
     for text in remarks(problem, result, deviations) + rivals(problem, result, found, deviations):
-        warnings.warn(text, FitWarning, stacklevel=4)
+        warnings.warn(text, FitWarning, stacklevel=3)  # below the wrapper that suggests keywords
     return result
 
 
