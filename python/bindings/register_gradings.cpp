@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "arrays.hpp"
+#include "curve_points.hpp"
 #include "rooms.hpp"
 #include "words.hpp"
 
@@ -144,12 +145,31 @@ True
         },
         "Points of a cdf on a grid, for `SizeCurve.on_grid`: sizes, fractions finer, slope of the tail.");
     m.def(
-        "_first_at_least",
-        [](const std::vector<double>& size, const std::vector<double>& finer, double tail_slope,
-           double share) {
-            return CurvePoints{size, finer, tail_slope}.quantile(share);
-        },
+        "_first_at_least", [](const Points& curve, double share) { return points_of(curve).quantile(share); },
         "inf{d : F(d) >= share} of a curve's points, for `SizeCurve.percentile`.");
+    m.def(
+        "_finer_than",
+        [](const Points& curve, const py::array_t<double>& at) {
+            const CurvePoints points = points_of(curve);
+            return py::vectorize([&points](double size) { return points.finer(size); })(at);
+        },
+        "F of a curve's points at sizes, for `SizeCurve.finer_than`.");
+    m.def(
+        "_mean_log", [](const Points& curve) { return points_of(curve).mean_log(); },
+        "Mean of ln(size) of a curve's points, for `mean_log`.");
+    m.def(
+        "_breakage_potential",
+        [](const Points& curve, double silt) { return points_of(curve).breakage_potential(silt); },
+        "Hardin's potential of a curve's points, for `breakage_potential`.");
+    m.def(
+        "_with_sieves",
+        [](const Points& curve, const LogGrid& grid, const py::array_t<double>& mass,
+           const py::array_t<double>& start, const Points& measured) {
+            const CurvePoints bent = with_sieves(points_of(curve), grid, {mass.data(), mass.size()},
+                                                 {start.data(), start.size()}, points_of(measured));
+            return py::make_tuple(copied(bent.size), copied(bent.finer_than), bent.tail_slope);
+        },
+        "Curve that bends at the sieves of a measured start, for `Result.curve`.");
     m.def(
         "percentile",
         [](const LogGrid& grid, const py::object& cdf, double percent, bool extrapolate,

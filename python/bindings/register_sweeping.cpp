@@ -26,6 +26,7 @@ std::unique_ptr<Solver> make(const LogGrid& grid, const Material& material, cons
 
 void register_sweeping(py::module_& m) {
     register_solve_report(m);
+    register_material_sweep(m);
     const QuasiStaticOptions defaults;
     py::class_<Solver>(m, "QuasiStatic",
                        R"doc(The state to which infinitely slow loading leads, in one sweep.

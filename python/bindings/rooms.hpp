@@ -13,6 +13,7 @@ void register_ideal_gradings(py::module_& m);    // gradings
 void register_slow_update(py::module_& m);       // stepping
 void register_full_convolution(py::module_& m);  // stepping
 void register_solve_report(py::module_& m);      // sweeping
+void register_material_sweep(py::module_& m);    // sweeping
 void register_material_points(py::module_& m);   // points
 void register_response_family(py::module_& m);   // points
 void register_resolved_batch(py::module_& m);    // resolved

@@ -13,6 +13,7 @@ has_fftw: bool
 defaults: Mapping[str, Mapping[str, Any]]
 
 _Floats = npt.NDArray[np.float64]
+_Points = tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], float]
 _Kind = Literal["exact", "slow", "fast", "blend"]
 _Mean = Literal["arithmetic", "geometric"]
 _Axis = Literal["grain", "neighbour"]
@@ -478,10 +479,25 @@ def percentile(
     points: Sequence[PointMass] = ...,
     largest: float = ...,
 ) -> float: ...
-def _curve_on_grid(
-    grid: LogGrid, cdf: _Floats, points: Sequence[PointMass], largest: float
-) -> tuple[_Floats, _Floats, float]: ...
-def _first_at_least(size: _Floats, finer: _Floats, tail_slope: float, share: float) -> float: ...
+def _curve_on_grid(grid: LogGrid, cdf: _Floats, points: Sequence[PointMass], largest: float) -> _Points: ...
+def _first_at_least(curve: _Points, share: float) -> float: ...
+def _finer_than(curve: _Points, at: _Floats) -> _Floats: ...
+def _mean_log(curve: _Points) -> float: ...
+def _breakage_potential(curve: _Points, silt: float) -> float: ...
+def _with_sieves(curve: _Points, grid: LogGrid, mass: _Floats, start: _Floats, measured: _Points) -> _Points: ...
+
+class _MaterialSweep:
+    def __init__(
+        self,
+        start: Fabric,
+        measured: _Points | None,
+        percents: Sequence[float],
+        sizes: Sequence[float],
+        silt: float,
+        scheme: _Scheme,
+        loading_rate: float,
+    ) -> None: ...
+    def run(self, materials: Sequence[Material], stress_ratios: _Floats) -> tuple[_Floats, dict[int, str]]: ...
 
 class SolveReport:
     def __init__(

@@ -15,6 +15,7 @@
 #include "comminute/lattice.hpp"
 #include "comminute/material.hpp"
 #include "comminute/material_points.hpp"
+#include "comminute/material_sweep.hpp"
 #include "comminute/quasi_static.hpp"
 #include "comminute/resolved.hpp"
 #include "comminute/resolved_batch.hpp"

@@ -97,8 +97,16 @@ struct COMMINUTE_API CurvePoints {
     std::vector<double> finer_than;  ///< fractions, the last 1
     double tail_slope = 0.0;         ///< below the finest: F = F_1 (d / d_1)^tail_slope, where F_1 > 0
 
+    /// F(size), linear in ln d between points and after the jump where there is one; below the finest along the tail, or 0
+    /// where there is none.
+    double finer(double size) const;
     /// inf{d : F(d) >= share}, linear in ln d between points; below the finest along the tail, where there is one.
     double quantile(double share) const;
+    /// Mean of ln d by mass, of which Einav's breakage index is a ratio of differences; NaN where mass below the finest point
+    /// has no tail.
+    double mean_log() const;
+    /// Hardin's breakage potential, the mean by mass of log10(d / silt) above the size `silt` and 0 below (Hardin 1985).
+    double breakage_potential(double silt) const;
 };
 
 /// Curve of a cdf at the upper edges of a grid's bins, up to the first point that holds all. The share in the fines bin
@@ -110,6 +118,19 @@ struct COMMINUTE_API CurvePoints {
 /// @throws ShapeError, and ParameterError for a cdf that falls (by more than 1e-12) or is not finite
 COMMINUTE_API CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const double> cdf,
                                         const std::vector<PointMass>& points = {}, double largest = 0.0);
+
+/// Curve of a crushed grading that bends at the sieves of its measured start, as far as bins still hold grains of it.
+///
+/// Of the mass in a bin, as much as the start had there is spread as the sieve data are; the rest, fragments that landed
+/// there, evenly in ln d. A grading that is the start has the curve that was measured.
+/// @param curve    of `mass`, as curve_on_grid() gives it
+/// @param mass     (N) by bin
+/// @param start    (N) mass of the start by bin
+/// @param measured sieve data of the start
+/// @throws ShapeError for other sizes
+COMMINUTE_API CurvePoints with_sieves(const CurvePoints& curve, const LogGrid& grid,
+                                      VectorView<const double> mass, VectorView<const double> start,
+                                      const CurvePoints& measured);
 
 /// How the numbers of a sieve table are meant.
 struct SieveOptions {

@@ -91,6 +91,10 @@ class COMMINUTE_API QuasiStatic {
     const LogGrid& grid() const;
     const Material& material() const;
     const QuasiStaticOptions& options() const;
+    /// Takes another material, as a new solver would have it, in the memory of this one: for many materials in turn. The
+    /// tables of the fragments are kept where their law is the same.
+    /// @throws ParameterError for a bad material
+    void set_material(const Material& material);
 
     /// @param state  on this grid
     /// @return the state at rest under the larger of `stress_ratio` and `state.settled_at()`

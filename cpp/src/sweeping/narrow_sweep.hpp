@@ -34,6 +34,9 @@ class NarrowSweep {
     /// @param problems  1 to `lanes`, of narrow bands; `out` is wanted of all or of none, and so is `grading`
     void run(const CrushTable& table, VectorView<Problem> problems);
 
+    /// Forgets the table at hand, whose numbers are about to change in their place.
+    void forget_table() { table_ = nullptr; }
+
   private:
     static LaneArray with_margins(const Array<double>& shares);
     static void at_least(LaneArray& numbers, Index count);

@@ -163,7 +163,11 @@ const LogGrid& QuasiStatic::grid() const {
     return work_->grid;
 }
 const Material& QuasiStatic::material() const {
-    return work_->material;
+    return work_->material();
+}
+void QuasiStatic::set_material(const Material& material) {
+    material.validate();
+    work_->set_material(material);
 }
 const QuasiStaticOptions& QuasiStatic::options() const {
     return work_->options;

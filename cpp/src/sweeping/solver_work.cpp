@@ -14,8 +14,8 @@ namespace comminute::detail {
 
 SolverWork::SolverWork(const LogGrid& g, const Material& m, const QuasiStaticOptions& o)
     : grid(g),
-      material(m),
       options(o),
+      material_(m),
       fragments_(fragment_pmf(m.fragments, g.spacing(), g.bins(), o.scheme)),
       sum_(exponential_sum(m.fragments, g.spacing(), fragments_, o.scheme)),
       leaves_(fragments_.below[1]),
@@ -25,6 +25,22 @@ SolverWork::SolverWork(const LogGrid& g, const Material& m, const QuasiStaticOpt
       narrow_(g.bins()),
       blend_(fragments_, o.loading_rate),
       points_(g, m, fragments_, o.loading_rate) {}
+
+void SolverWork::set_material(const Material& m) {
+    const bool same_fragments = m.fragments == material_.fragments;
+    material_ = m;
+    if (!same_fragments) {
+        fragments_ = fragment_pmf(m.fragments, grid.spacing(), grid.bins(), options.scheme);
+        sum_ = exponential_sum(m.fragments, grid.spacing(), fragments_, options.scheme);
+        leaves_ = fragments_.below[1];
+        bin_by_bin_ = CrushTable::make(fragments_, {}, leaves_);
+        by_sums_ = CrushTable::make(fragments_, sum_, leaves_);
+        narrow_.forget_table();
+        blend_ = BlendSweep(fragments_, options.loading_rate);
+    }
+    points_ = PointSweep(grid, m, fragments_, options.loading_rate);
+    for (ZonePair& zones : zones_) zones.set_material(grid, m, options.scheme);
+}
 
 // Zones of these loads: those of an earlier solve where it had the same, else in the place of some that no problem at hand
 // has taken.
@@ -37,7 +53,7 @@ ZonePair& SolverWork::zones_of(const Loads& loads, VectorView<Problem> taken) {
         return std::none_of(taken.begin(), taken.end(), [&](const Problem& p) { return p.zones == &zones; });
     };
     const auto found = std::find_if(zones_.begin(), zones_.end(), is_free);
-    ZonePair& zones = found != zones_.end() ? *found : zones_.emplace_back(grid, material, options.scheme);
+    ZonePair& zones = found != zones_.end() ? *found : zones_.emplace_back(grid, material_, options.scheme);
     zones.set(settled_at, stress_ratio, largest);
     return zones;
 }

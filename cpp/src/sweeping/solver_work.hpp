@@ -41,8 +41,11 @@ class SolverWork {
     SolverWork(const LogGrid& grid, const Material& material, const QuasiStaticOptions& options);
 
     const LogGrid grid;
-    const Material material;
     const QuasiStaticOptions options;
+
+    const Material& material() const { return material_; }
+    /// Takes another material. Workspaces stay, and the tables of the fragments where their law does.
+    void set_material(const Material& material);
 
     /// Brings bins to rest, the narrow bands among them side by side; the result of each task does not depend on the
     /// others. Masses whose sum overflows leave crushes that are not finite.
@@ -61,6 +64,7 @@ class SolverWork {
     void blend(const ZonePair& zones, Task& task);
     SolveReport report_of(SolvePath path, const CrushTable& table) const;
 
+    Material material_;
     FragmentPmf fragments_;
     ExponentialSum sum_;
     double leaves_;  // 1 - f_0, share of one crush that leaves its bin

@@ -17,6 +17,13 @@ ZonePair::ZonePair(const LogGrid& grid, const Material& material, Scheme scheme)
     set_shares();
 }
 
+void ZonePair::set_material(const LogGrid& grid, const Material& material, Scheme scheme) {
+    before_ = ActiveBand(grid, material, scheme);
+    after_ = ActiveBand(grid, material, scheme);
+    settled_at_ = stress_ratio_ = largest_ = 0.0;
+    set_shares();
+}
+
 // Zones cost as much as a small sweep, so they are kept: for many states under the same loads, and for a load path, whose
 // next solve starts in the zone in which the last one ended.
 void ZonePair::set(double settled_at, double stress_ratio, double largest) {

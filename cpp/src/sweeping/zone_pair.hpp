@@ -17,6 +17,8 @@ class ZonePair {
   public:
     ZonePair(const LogGrid& grid, const Material& material, Scheme scheme);
 
+    /// Begins anew for another material, in the memory at hand.
+    void set_material(const LogGrid& grid, const Material& material, Scheme scheme);
     /// Moves to other loads; costs nothing where they are the same.
     /// @param settled_at  load under which the state is at rest; 0: none
     /// @param largest     size that no grain exceeds; 0 where it is not known

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from comminute._core import _breakage_potential, _mean_log
 from comminute.gradings.curves import SizeCurve, mean_power
 from comminute.gradings.indices import Curve
 from comminute.gradings.sieves import millimetres
@@ -70,20 +71,18 @@ def breakage_potential(curve: Curve) -> float:
     2.0
     """
     points = SizeCurve.of(curve)
-    silt = HARDIN_SILT / millimetres(points.unit, "Hardin's breakage potential")
-    size, finer = points.size, points.finer
-    if size[0] < silt < size[-1]:  # b_p has a kink here
-        at = int(np.searchsorted(size, silt))
-        size = np.insert(size, at, silt)
-        finer = np.insert(finer, at, float(points.finer_than(silt)))
-    b = np.log10(np.maximum(size / silt, 1.0))
-    potential = float(np.sum(np.diff(finer) * 0.5 * (b[1:] + b[:-1])))
-    if b[0] > 0.0 and finer[0] > 0.0:
-        m = points.tail_slope
-        share_at_silt = (silt / size[0]) ** m
-        fall = (1.0 - share_at_silt) / (m * math.log(10.0)) if m > 0.0 else b[0]
-        potential += float(finer[0] * (b[0] - fall))
-    return potential
+    return _breakage_potential(points.numbers, silt_size(points.unit))
+
+
+def silt_size(unit: str) -> float:
+    """Size below which grains break no further in Hardin's sense, in a unit.
+
+    Raises
+    ------
+    ParameterError
+        For sizes without a unit.
+    """
+    return HARDIN_SILT / millimetres(unit, "Hardin's breakage potential")
 
 
 @dataclass(frozen=True)
@@ -157,9 +156,7 @@ def breakage_index(
         raise parameter_error("fractal_dimension", fractal_dimension, "it must be less than 3")
     # integration by parts makes the integral of F d ln d up to ln(d_M) the mean of ln(d_M / d)
     start, end = mean_log(first), mean_log(last)
-    ratio = smallest / top
-    span = math.log(ratio) if ratio > 0.0 else 0.0
-    ultimate = math.log(top) - 1.0 / power - ratio**power * span / (1.0 - ratio**power)
+    ratio, ultimate = smallest / top, ultimate_mean_log(top, fractal_dimension, smallest)
     if not start > ultimate:
         raise parameter_error(
             "before",
@@ -177,6 +174,21 @@ def breakage_index(
     )
 
 
+def ultimate_mean_log(largest: float, fractal_dimension: float = EINAV_DIMENSION, smallest: float = 0.0) -> float:
+    """Mean of ln(size) by mass of the power law that `breakage_index` refers to.
+
+    Examples
+    --------
+    >>> import comminute as cm
+    >>> from comminute.gradings.breakage import mean_log, ultimate_mean_log
+    >>> round(ultimate_mean_log(1.0) - mean_log(cm.power_law(2.6, 0.0, 1.0)), 6)
+    0.0
+    """
+    power, ratio = 3.0 - fractal_dimension, smallest / largest
+    span = math.log(ratio) if ratio > 0.0 else 0.0
+    return float(math.log(largest) - 1.0 / power - ratio**power * span / (1.0 - ratio**power))
+
+
 def mean_log(curve: Curve) -> float:
     """Mean of ln(size) by mass.
 
@@ -188,16 +200,13 @@ def mean_log(curve: Curve) -> float:
     1.0
     """
     points = SizeCurve.of(curve)
-    logs = np.log(points.size)
-    mean = float(np.sum(np.diff(points.finer) * 0.5 * (logs[1:] + logs[:-1])))
-    if points.finer[0] > 0.0:
-        if not points.tail_slope > 0.0:
-            raise parameter_error(
-                subject=f"{100 * points.finer[0]:.4g} %",
-                finding=f"are finer than the finest size, {points.size[0]:.4g}, on a curve that is flat above it: "
-                "no mean size can be read from it",
-            )
-        mean += float(points.finer[0] * (logs[0] - 1.0 / points.tail_slope))
+    mean = _mean_log(points.numbers)
+    if math.isnan(mean):
+        raise parameter_error(
+            subject=f"{100 * points.finer[0]:.4g} %",
+            finding=f"are finer than the finest size, {points.size[0]:.4g}, on a curve that is flat above it: "
+            "no mean size can be read from it",
+        )
     return mean
 
 

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Grading, LogGrid, Place, PointMass, ResolvedGrid, _curve_on_grid, _first_at_least
+from comminute._core import (
+    Grading,
+    LogGrid,
+    Place,
+    PointMass,
+    ResolvedGrid,
+    _curve_on_grid,
+    _finer_than,
+    _first_at_least,
+)
 from comminute.gradings.sieves import convert, sieve_sizes, unit_of
 from comminute.util.equality import same_values
 from comminute.util.errors import parameter_error
@@ -186,13 +195,12 @@ class SizeCurve:
         at = np.asarray(size, dtype=np.float64)
         if np.any(~(at > 0.0)):
             raise parameter_error("size", float(at[~(at > 0.0)].flat[0]), "it must be greater than 0")
-        above = np.searchsorted(self.size, at, side="right")
-        left, right = np.clip(above - 1, 0, None), np.clip(above, None, self.size.size - 1)
-        span = np.log(self.size[right] / self.size[left])
-        share = np.divide(np.log(at / self.size[left]), span, out=np.zeros_like(at), where=span > 0.0)
-        inside = self.finer[left] + share * (self.finer[right] - self.finer[left])
-        tail = self.finer[0] * np.minimum(at / self.size[0], 1.0) ** self.tail_slope if self.tail_slope > 0.0 else 0.0
-        return np.where(above == 0, tail, np.where(above == self.size.size, 1.0, inside))
+        return np.asarray(_finer_than(self.numbers, at))
+
+    @property
+    def numbers(self) -> tuple[Floats, Floats, float]:
+        """Sizes, fractions finer, and slope of the tail, as the core takes them."""
+        return self.size, self.finer, self.tail_slope
 
     def percentile(self, percent: float, *, extrapolate: bool = False) -> float:
         """Size D_x such that `percent` of the mass is finer: inf{d : F(d) >= percent / 100}.
@@ -226,7 +234,7 @@ class SizeCurve:
             raise parameter_error("percent", float(percent), "it must be between 0 and 100")
         share = percent / 100.0
         if share >= self.finer[0] - ROUNDING or (extrapolate and share > 0.0 and self.tail_slope > 0.0):
-            return _first_at_least(self.size, self.finer, self.tail_slope, share)
+            return _first_at_least(self.numbers, share)
         raise parameter_error(
             "percent",
             float(percent),

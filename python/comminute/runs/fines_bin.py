@@ -59,7 +59,7 @@ def spoiled_below(
     zones = CrushZones(grid, material, float(path.stress_ratio[:loads].max()))
     mixed = [place for place in path.remix_after if place < loads - 1]
     misplaced = mixed_in = float(start.grainsize()[0] + curves[mixed, 0].sum())
-    if np.isfinite(material.fabric_width) and np.any(zones.band[1:] == np.arange(1, grid.bins)):
+    if reaches_fines(zones, material):
         misplaced += float(curves[:, 0].max())
     if misplaced <= TOLERABLE_ERROR:
         return None
@@ -75,6 +75,11 @@ def spoiled_below(
     if spoiled.size == 0:
         return None
     return float(grid.edge_sizes[min(int(spoiled[-1]) + 2, grid.bins)]), float(error.max())
+
+
+def reaches_fines(zones: CrushZones, material: Material) -> bool:
+    """Tell whether a crush zone has grains of the fines bin in it, beside others."""
+    return bool(np.isfinite(material.fabric_width) and np.any(zones.band[1:] == np.arange(1, zones.band.size)))
 
 
 def _bins_below(grid: LogGrid, zones: CrushZones, fragments: Law, *, mixed: bool) -> int:

@@ -102,9 +102,10 @@ def _loads(name: str, values: npt.ArrayLike | Iterable[float]) -> Floats:
     if loads.ndim != 1 or loads.size == 0:
         rule = "it must be a list of at least one load"
         raise parameter_error(name, loads.shape, rule, finding=f"has shape {loads.shape}")
-    for index, load in enumerate(loads):
-        if not load >= 0.0:
-            raise parameter_error(f"{name}[{index}]", float(load), "it must be a number of at least 0 (0 is no load)")
+    if not np.all(loads >= 0.0):
+        index = int(np.argmin(loads >= 0.0))
+        rule = "it must be a number of at least 0 (0 is no load)"
+        raise parameter_error(f"{name}[{index}]", float(loads[index]), rule)
     return loads
 
 
@@ -187,9 +188,9 @@ def load_path(
         rule = f"it must be one number or one for each of the {ratios.size} loads"
         raise parameter_error("loading_rate", rates.shape, rule, finding=f"has shape {rates.shape}")
     rates = np.broadcast_to(rates, ratios.shape).astype(np.float64)
-    for index, rate in enumerate(rates):
-        if not 0.0 <= rate <= 1.0:
-            raise parameter_error(f"loading_rate[{index}]", float(rate), "it must be between 0 and 1")
+    if not np.all((rates >= 0.0) & (rates <= 1.0)):
+        index = int(np.argmin((rates >= 0.0) & (rates <= 1.0)))
+        raise parameter_error(f"loading_rate[{index}]", float(rates[index]), "it must be between 0 and 1")
     return LoadPath(ratios, stresses, rates, _indices("remix_after", remix_after, ratios.size), stress_ratio is None)
 
 

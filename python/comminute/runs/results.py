@@ -17,6 +17,7 @@ from comminute._core import (
     ResolvedGrid,
     SolveReport,
     StepReport,
+    _with_sieves,
     percentile,
 )
 from comminute.gradings.curves import SizeCurve
@@ -162,21 +163,8 @@ class ResultData:
         """
         if self.measured is None:
             return curve
-        start, sieves = self.start.grainsize(), self.measured.size
-        if np.array_equal(pmf, start):
-            return self.measured
-        edges = self.grid.edge_sizes
-        bins = np.clip(np.searchsorted(edges, sieves, side="left") - 1, 0, self.grid.bins - 1)
-        inside = (bins > 0) & (sieves < curve.size[-1])
-        sieves, bins, finer = sieves[inside], bins[inside], self.measured.finer[inside]
-        had, has = start[bins], pmf[bins]
-        share = np.divide(finer - self.measured.finer_than(edges[bins]), had, out=np.zeros_like(had), where=had > 0.0)
-        even = np.log(sieves / edges[bins]) / self.grid.spacing
-        here = np.minimum(had, has) * np.clip(share, 0.0, 1.0) + np.maximum(has - had, 0.0) * even
-        size = np.append(curve.size, sieves)
-        finer = np.append(curve.finer, (np.cumsum(pmf) - pmf)[bins] + here)
-        order = np.argsort(size, kind="stable")
-        return SizeCurve(size[order], np.maximum.accumulate(finer[order]), curve.unit, curve.tail_slope)
+        bent = _with_sieves(curve.numbers, self.grid, pmf, self.start.grainsize(), self.measured.numbers)
+        return SizeCurve(bent[0], bent[1], curve.unit, bent[2])
 
     def fabric(self, k: int) -> Fabric:
         """Fabric after load k (before the remixing, where load k is followed by one).
