@@ -99,6 +99,7 @@ from comminute.result import Interrupted, LatticeResult, ResolvedResult, Result,
 from comminute.runs.recipe import Recipe
 from comminute.runs.remarks import ResolutionWarning
 from comminute.simulation import Simulation
+from comminute.sweeping.sweep import Sweep, sweep
 
 __all__ = [
     "Atom",
@@ -148,6 +149,7 @@ __all__ = [
     "StepReport",
     "StrengthSlope",
     "StressMeasure",
+    "Sweep",
     "Table",
     "TabulatedFragments",
     "TimeSteppedLattice",
@@ -197,6 +199,7 @@ __all__ = [
     "strength_slope",
     "stress_function",
     "stress_ratio_at",
+    "sweep",
     "uniform_size",
     "uniformity",
 ]

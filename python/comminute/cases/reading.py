@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import itertools
-import json
+import math
 import tomllib
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-import numpy as np
 from pydantic import ValidationError
 
 from comminute._core import Grading, LogGrid, Material, ParameterError, ResolvedGrid, ShapeError, fitting_grid
@@ -39,7 +38,10 @@ MOST_BYTES = 4_000_000
 
 @dataclass(frozen=True)
 class ReadyCase:
-    """A case with all its files read and all its values checked: nothing is left that could fail before the run."""
+    """A case with all its files read and all its values checked: nothing is left that could fail before the run.
+
+    `resolved` has the bins that were sized; `bins_asked` what the case itself said of them.
+    """
 
     resolved: Case
     material: Material
@@ -47,6 +49,7 @@ class ReadyCase:
     grid: LogGrid | ResolvedGrid
     target: Path
     varied: dict[str, Any]
+    bins_asked: GridTable
 
     def simulation(self) -> Simulation:
         """Make the simulation of the case."""
@@ -94,6 +97,30 @@ def read_case(path: Path) -> list[ReadyCase]:
     ParameterError
         For a case that cannot run; it names file, table, key and value, the rule, and the remedy.
     """
+    raw = tables_of(path)
+    axes = axes_of(raw, path.name)
+    count = math.prod(len(values) for values in axes.values())
+    if count > MOST_RUNS:
+        finding = f"make {count} runs"
+        rule = f"with a file for each there may be {MOST_RUNS}; comminute sweep puts more into one"
+        raise parameter_error(subject="the lists", finding=finding, rule=rule, place=path.name)
+    cases = []
+    for number, values in enumerate(itertools.product(*axes.values()), 1):
+        varied = dict(zip(axes, values, strict=True))
+        case = _validated(with_values(raw, varied), path.name)
+        target = _target(path, case.output.file, number, count)
+        cases.append(_ready(case, path, target, varied))
+    return cases
+
+
+def tables_of(path: Path) -> dict[str, Any]:
+    """Tables of a case file as they stand there.
+
+    Raises
+    ------
+    ParameterError
+        For a file that is no TOML.
+    """
     if not is_file(path):
         raise wrong_file(str(path), "is no file", "give a case file (.toml); comminute new DIR makes one")
     if path.stat().st_size > MOST_BYTES:
@@ -104,13 +131,18 @@ def read_case(path: Path) -> list[ReadyCase]:
         raise wrong_file(path.name, "is not UTF-8 text", "save it as such") from None
     except (ValueError, RecursionError) as error:  # TOML's own, and dates and numbers that no calendar or machine has
         raise wrong_file(path.name, f"is no TOML: {shorten(str(error), 120)}", "") from None
-    runs = _sweep(raw, path.name)
-    cases = []
-    for number, (table, varied) in enumerate(runs, 1):
-        case = _validated(table, path.name)
-        target = _target(path, case.output.file, number, len(runs))
-        cases.append(_ready(case, path, target, varied))
-    return cases
+    return raw
+
+
+def case_of_tables(raw: dict[str, Any], path: Path, varied: dict[str, Any]) -> ReadyCase:
+    """Case of tables as a file at `path` would have them, its files beside that path.
+
+    Raises
+    ------
+    ParameterError
+        As `read_case`.
+    """
+    return _ready(_validated(raw, path.name), path, path.with_suffix(".nc"), varied)
 
 
 def case_of_text(text: str, target: Path) -> ReadyCase:
@@ -118,9 +150,9 @@ def case_of_text(text: str, target: Path) -> ReadyCase:
     return _ready(Case.model_validate_json(text), target, target, {})
 
 
-def _sweep(raw: dict[str, Any], name: str) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-    """One table for each combination of the list values, with the values that vary."""
-    axes: list[tuple[tuple[str, ...], list[Any]]] = []
+def axes_of(raw: dict[str, Any], name: str) -> dict[str, list[Any]]:
+    """Find the lists that stand where a case has one value, by the key that they are of, "material.fabric_width"."""
+    axes: dict[str, list[Any]] = {}
 
     def look(table: dict[str, Any], where: tuple[str, ...]) -> None:
         for key, value in table.items():
@@ -130,27 +162,26 @@ def _sweep(raw: dict[str, Any], name: str) -> list[tuple[dict[str, Any], dict[st
                 if not value:
                     place = table_place(name, *where)
                     raise parameter_error(key, "an empty list", "a sweep needs values", place=place)
-                axes.append(((*where, key), value))
+                axes[".".join((*where, key))] = value
 
     for section in SWEPT:
         if isinstance(raw.get(section), dict):
             look(raw[section], (section,))
-    if not axes:
-        return [(raw, {})]
-    count = int(np.prod([float(len(values)) for _, values in axes]))
-    if count > MOST_RUNS:
-        rule = f"a sweep may have {MOST_RUNS}"
-        raise parameter_error(subject="the lists", finding=f"make {count} runs", rule=rule, place=name)
-    runs = []
-    for values in itertools.product(*(values for _, values in axes)):
-        table = json.loads(json.dumps(raw, default=str))
-        for (where, _), value in zip(axes, values, strict=True):
-            inner = table
-            for key in where[:-1]:
-                inner = inner[key]
-            inner[where[-1]] = value
-        runs.append((table, {".".join(where): value for (where, _), value in zip(axes, values, strict=True)}))
-    return runs
+    return axes
+
+
+def with_values(raw: dict[str, Any], values: dict[str, Any]) -> dict[str, Any]:
+    """Tables with other values of some keys, "material.fabric_width", and without a change to `raw`."""
+    changed = dict(raw)
+    for name, value in values.items():
+        *tables, key = name.split(".")
+        inner = changed
+        for table in tables:
+            below = inner.get(table)
+            inner[table] = dict(below) if isinstance(below, dict) else {}
+            inner = inner[table]
+        inner[key] = value
+    return changed
 
 
 def _target(path: Path, file: str, number: int, runs: int) -> Path:
@@ -192,8 +223,8 @@ def _validated(raw: dict[str, Any], name: str) -> Case:
 
 def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> ReadyCase:
     """Case with its files read: every check that needs no run."""
-    name = path.name
-    material = _in_table(name, "material", lambda: _material(case))
+    name, bins_asked = path.name, case.grid
+    material = _in_table(name, "material", lambda: material_of(case.material.model_dump()))
     case, grading = _grading(case, path)
     case = with_numbers(case, path)
     ratios = _in_table(name, "load", lambda: path_of(material, case.load)).stress_ratio
@@ -207,7 +238,7 @@ def _ready(case: Case, path: Path, target: Path, varied: dict[str, Any]) -> Read
         case = case.model_copy(update={"grid": GridTable(bins=even.bins, psi_min=even.psi_min, psi_max=even.psi_max)})
         _in_table(name, "engine", lambda: _simulation(material, grading, case, even))
         grid = even
-    ready = ReadyCase(case, material, grading, grid, target, varied)
+    ready = ReadyCase(case, material, grading, grid, target, varied, bins_asked)
     if case.engine.closure == "resolved":
         _in_table(name, "engine", lambda: require_quasi_static(ready.recipe()))
     if not isinstance(case.output.fabrics, str):
@@ -261,8 +292,8 @@ def _require_reference_size(case: Case, name: str) -> None:
         raise parameter_error("reference_size", "missing", rule, place=table_place(name, "material"))
 
 
-def _material(case: Case) -> Material:
-    table = case.material.model_dump()
+def material_of(table: dict[str, Any]) -> Material:
+    """Material of the values in a table [material], all of them."""
     return Material(**(table | {"fragments": law_of(table["fragments"])}))
 
 

@@ -16,22 +16,18 @@ from comminute._core import ParameterError, ResolvedGrid
 from comminute.cases.reading import ReadyCase, case_of_text
 from comminute.files.storage import require_netcdf, save_netcdf
 from comminute.opening import open_result
-from comminute.result import Interrupted, ResolvedResult, Result, run_again
+from comminute.result import Interrupted, ResolvedResult, Result, finished, run_again
 from comminute.runs.continuum import Setup, continuum_run, recipe_of, setup_of
 from comminute.runs.load_path import wanted_fabrics
 from comminute.runs.path_run import PathRun
 from comminute.runs.remarks import ResolutionWarning
 from comminute.runs.resolved_run import ResolvedSetup, resolved_run
-from comminute.util.errors import wrong_file
+from comminute.util.errors import OutputExistsError, wrong_file
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 LOADS_TO_SAVES = 4.0  # time spent on loads to time spent on saving what is finished
-
-
-class OutputExistsError(Exception):
-    """A file that would be overwritten; the message says how to allow it."""
 
 
 def part_of(target: Path) -> Path:
@@ -148,10 +144,15 @@ def run_case(
     return done
 
 
-def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Any, Result]:
+def result_of(case: ReadyCase) -> Result:
+    """Run a case to its end, write nothing and keep no fabric."""
+    return finished(_path_run(case, None, keep=False))
+
+
+def _path_run(case: ReadyCase, earlier: Result | None, *, keep: bool = True) -> PathRun[Any, Result]:
     """Run of a case; a file in between changes no bit.
 
-    It keeps the fabrics that the case asks for, and while it runs the last one, to go on from.
+    With `keep` it keeps the fabrics that the case asks for, and while it runs the last one, to go on from.
     """
     path, recipe = case.path(), case.recipe()
     if isinstance(case.grid, ResolvedGrid):
@@ -163,9 +164,8 @@ def _path_run(case: ReadyCase, earlier: Result | None) -> PathRun[Any, Result]:
         setup = Setup.mixed(case.material, case.grading, start, case.resolved.engine.scheme)
     else:
         setup = setup_of(earlier)
-    return continuum_run(
-        Result, setup, path, recipe, wanted=_wanted(case, setup.start.grid.bins), keep_latest=True, earlier=earlier
-    )
+    wanted = _wanted(case, setup.start.grid.bins) if keep else frozenset[int]()
+    return continuum_run(Result, setup, path, recipe, wanted=wanted, keep_latest=keep, earlier=earlier)
 
 
 def _wanted(case: ReadyCase, bins: int) -> frozenset[int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from comminute.cli import on_cases, on_gradings  # noqa: F401  (their commands join the application)
+from comminute.cli import on_cases, on_gradings, on_sweeps  # noqa: F401  (their commands join the application)
 from comminute.cli import texts as cli_texts
 from comminute.cli.base import Json, app, plain_errors
 

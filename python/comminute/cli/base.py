@@ -12,9 +12,8 @@ from typing import Annotated, NoReturn, ParamSpec
 import typer
 
 from comminute._core import ParameterError, ShapeError, UnavailableError, __version__, defaults
-from comminute.cases.running import OutputExistsError
 from comminute.cli import texts as cli_texts
-from comminute.util.errors import parameter_error
+from comminute.util.errors import OutputExistsError, parameter_error
 from comminute.util.names import shorten
 
 WRONG_INPUT, EXISTS, FAILED, MISSING_EXTRA, STOPPED = 2, 3, 4, 5, 130

@@ -13,7 +13,6 @@ import typer
 from comminute._core import __version__
 from comminute.cases.reading import ReadyCase, read_case
 from comminute.cases.running import (
-    OutputExistsError,
     claimed,
     finished_loads,
     part_of,
@@ -36,7 +35,7 @@ from comminute.cli.base import (
 )
 from comminute.result import Interrupted, Result
 from comminute.runs.remarks import ResolutionWarning
-from comminute.util.errors import parameter_error
+from comminute.util.errors import OutputExistsError, parameter_error
 
 
 @app.command()

@@ -41,7 +41,7 @@ HELP = """Confined comminution with grainsize fabric: from a sieve curve and a s
 Exit codes: 0 done, 2 wrong input, 3 a file exists (nothing is overwritten), 4 failed, 5 an extra is missing,
 130 interrupted (finished loads are kept)."""
 
-EXTRAS = ("numpy", "typer", "pydantic", "xarray", "h5netcdf", "h5py", "matplotlib", "tqdm", "openpyxl")
+EXTRAS = ("numpy", "typer", "pydantic", "xarray", "h5netcdf", "h5py", "matplotlib", "tqdm", "openpyxl", "zarr")
 WIDTHS = {"stress": 11, "stress_ratio": 14, "d10": 10, "d50": 10, "d60": 10, "fines": 11, "crushes": 10}
 
 
@@ -149,46 +149,34 @@ def _extent(key: str, loads: list[float], stress_unit: str) -> str:
     return f"{key} {min(loads):g} to {max(loads):g}{unit}"
 
 
-class LoadTableText:
-    """A table that grows by a line with every finished load, and a bar on a terminal."""
+class ProgressBar:
+    """Bar of what is finished, on a terminal alone, where tqdm is there; as a context it ends with the block."""
 
-    def __init__(self, ready: ReadyCase, *, quiet: bool) -> None:
-        self._quiet = quiet
-        self._units = (ready.resolved.units.stress, ready.grading.unit)
-        self._shown = 0
+    def __init__(self, unit: str, *, quiet: bool) -> None:
+        self._unit = unit
+        self._wanted = not quiet and sys.stderr.isatty()
         self._bar: Any = None
-        total = ready.path().stress_ratio.size
-        if not quiet and sys.stderr.isatty():
+
+    def __enter__(self) -> ProgressBar:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def reach(self, done: int, total: int) -> None:
+        """Draw it at so many of all."""
+        if self._wanted and self._bar is None:
             try:
                 from tqdm.auto import tqdm  # noqa: PLC0415  (optional)
 
-                self._bar = tqdm(total=total, unit="load", leave=False)
+                self._bar = tqdm(total=total, unit=self._unit, leave=False)
             except ImportError:
-                pass
-
-    def rows_of(self, result: Result) -> None:
-        """Print the loads that are not printed yet."""
-        rows = load_rows(result)
-        if not self._shown:
-            self._print(_header(rows[0], *self._units))
-        for row in rows[self._shown :]:
-            self._print(_line(row, *self._units))
-        self._shown = len(rows)
-
-    def add(self, result: Result) -> None:
-        """Print the load that has just finished."""
-        if self._quiet:
-            return
-        self.rows_of(result)
+                self._wanted = False
         if self._bar is not None:
-            self._bar.update(self._shown - self._bar.n)
+            self._bar.update(done - self._bar.n)
 
-    def close(self) -> None:
-        """Take the bar away."""
-        if self._bar is not None:
-            self._bar.close()
-
-    def _print(self, line: str) -> None:
+    def print(self, line: str) -> None:
+        """Print a line above it."""
         if self._bar is not None:
             self._bar.write(line)
             return
@@ -196,6 +184,43 @@ class LoadTableText:
             print(line, flush=True)
         except BrokenPipeError:  # the reader has gone, as `| head` does; the run goes on, for its file
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+    def close(self) -> None:
+        """Take it away."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+class LoadTableText:
+    """A table that grows by a line with every finished load, and a bar on a terminal."""
+
+    def __init__(self, ready: ReadyCase, *, quiet: bool) -> None:
+        self._quiet = quiet
+        self._units = (ready.resolved.units.stress, ready.grading.unit)
+        self._shown = 0
+        self._total = ready.path().stress_ratio.size
+        self._bar = ProgressBar("load", quiet=quiet)
+        self._bar.reach(0, self._total)
+
+    def rows_of(self, result: Result) -> None:
+        """Print the loads that are not printed yet."""
+        rows = load_rows(result)
+        if not self._shown:
+            self._bar.print(_header(rows[0], *self._units))
+        for row in rows[self._shown :]:
+            self._bar.print(_line(row, *self._units))
+        self._shown = len(rows)
+
+    def add(self, result: Result) -> None:
+        """Print the load that has just finished."""
+        if self._quiet:
+            return
+        self.rows_of(result)
+        self._bar.reach(self._shown, self._total)
+
+    def close(self) -> None:
+        """Take the bar away."""
+        self._bar.close()
 
 
 def _columns(row: dict[str, Any], stress_unit: str, size_unit: str) -> dict[str, tuple[str, int]]:

@@ -125,6 +125,10 @@ def parameter_error(
     return _made(ParameterError, parts, PYTHON)
 
 
+class OutputExistsError(FileExistsError):
+    """A file that would be overwritten; the message says how to allow it."""
+
+
 def scattered(what: str) -> ParameterError:
     """Error of something that knows one strength for each size, and was given a material whose strengths scatter."""
     finding = f"is True, and {what} knows one strength for each size"

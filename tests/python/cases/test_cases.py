@@ -124,7 +124,7 @@ def test_lists_make_a_sweep_in_the_order_of_the_file(tmp_path: Path) -> None:
     assert runs[4].material == cm.Material(
         weibull_modulus=5.0, reference_size=2.0, first_crush_stress=1.2, fragments=cm.WeibullFragments(2.0)
     )
-    with pytest.raises(cm.ParameterError, match="the lists make 1002 runs; a sweep may have 1000"):
+    with pytest.raises(cm.ParameterError, match="the lists make 1002 runs; with a file for each there may be 1000"):
         case_of(tmp_path, changed("weibull_modulus = 3.0", f"weibull_modulus = {list(range(1, 1003))}"))
 
 

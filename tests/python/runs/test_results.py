@@ -3,6 +3,7 @@
 import pickle
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,11 @@ RINGS = cm.Lattice(50, MATERIAL, cm.gap_graded(1.0, 0.2))
 RINGS_RUN = RINGS.run(stress_ratio=[1.0, 8.0], grid=GRID)
 
 FITTED = cm.fit([(9.0, SAND)], cm.power_law(2.0, 0.3, 1.5), MATERIAL, ["fabric_width"], starts=1)
+SWEPT = cm.sweep(
+    {"grading": {"kind": "monodisperse", "size": 1.0}, "load": {"stress_ratio": 8.0}},
+    {"material.fabric_width": [0.05, -1.0]},
+    store=Path(tempfile.mkdtemp()) / "sweep.zarr",
+)
 THINGS = [
     GRID,
     MATERIAL,
@@ -81,6 +87,7 @@ THINGS = [
     FITTED,
     RUN.load_table(["D50"]),
     FITTED.problem,
+    SWEPT,
     cm.Zone(1),
 ]
 FAULTS = [
