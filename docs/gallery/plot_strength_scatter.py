@@ -24,24 +24,6 @@ loads = np.geomspace(0.1, 100.0, 31)
 looks = {False: ("one strength a size", "#0072b2", "s"), True: ("scattered strengths", "#d55e00", "o")}
 
 
-def void_ratio(curve: cm.SizeCurve, packing: float = 2.0 / 3.0, compaction: float = 9.0) -> float:
-    """Void ratio of a grading curve, whose points are taken for its size classes."""
-    size, share = curve.size[::-1], np.diff(curve.finer, prepend=0.0)[::-1]
-    size, share = size[share > 1e-9], share[share > 1e-9]
-    ratio = np.minimum(size[:, None], size) / np.maximum(size[:, None], size)
-    loosening, wall = np.sqrt(1.0 - (1.0 - ratio) ** 1.02), 1.0 - (1.0 - ratio) ** 1.5
-    coarser = size > size[:, None]
-    loss = np.where(coarser, (1.0 - packing) * (1.0 - wall), 1.0 - loosening)
-    virtual = packing / (1.0 - loss @ share)
-    low, high = 0.0, float(virtual.min())
-    for _ in range(60):
-        solid = 0.5 * (low + high)
-        with np.errstate(divide="ignore"):
-            found = (share / packing / (1.0 / solid - 1.0 / virtual)).sum()
-        low, high = (solid, high) if found < compaction else (low, solid)
-    return 1.0 / solid - 1.0
-
-
 results, witnesses = {}, {}
 for scatter in looks:
     material = cm.Material(weibull_modulus=3.0, fabric_width=0.2, strength_scatter=scatter)
@@ -61,8 +43,7 @@ def draw(width: float) -> Figure:
         counted = [1.0 - sum(point.mass for point in points) for points in witness.points]
         left.semilogx(loads, crushed, color=colour, label=name)
         left.semilogx(loads[::3], counted, marker, color=colour, ms=3, mfc="none")
-        curves = [result.curve(k) for k in range(loads.size)]
-        right.semilogx(loads, [void_ratio(curve) for curve in curves], color=colour, label=name)
+        right.semilogx(loads, result.void_ratio(packing=2.0 / 3.0), color=colour, label=name)
     left.set(ylim=(0.0, 0.7), ylabel="share of the grains crushed")
     right.set(xlabel=r"stress ratio $\sigma^*$", ylabel="void ratio")
     if not narrow:

@@ -7,8 +7,11 @@
 
 #include "bindings.hpp"
 
+/// Numbers in one piece, copied where the array has gaps or runs backwards.
+using Contiguous = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
 /// Points of a curve as Python has them: sizes, fractions finer, slope of the tail.
-using Points = std::tuple<py::array_t<double>, py::array_t<double>, double>;
+using Points = std::tuple<Contiguous, Contiguous, double>;
 
 inline comminute::CurvePoints points_of(const Points& points) {
     const auto& [size, finer, tail_slope] = points;

@@ -163,8 +163,8 @@ True
         "Hardin's potential of a curve's points, for `breakage_potential`.");
     m.def(
         "_with_sieves",
-        [](const Points& curve, const LogGrid& grid, const py::array_t<double>& mass,
-           const py::array_t<double>& start, const Points& measured) {
+        [](const Points& curve, const LogGrid& grid, const Contiguous& mass, const Contiguous& start,
+           const Points& measured) {
             const CurvePoints bent = with_sieves(points_of(curve), grid, {mass.data(), mass.size()},
                                                  {start.data(), start.size()}, points_of(measured));
             return py::make_tuple(copied(bent.size), copied(bent.finer_than), bent.tail_slope);

@@ -13,6 +13,9 @@ Examples
 True
 """
 
+import comminute.comparators
+import comminute.energy
+import comminute.packing
 import comminute.util.keywords  # noqa: F401  (before the names of the core are taken from it)
 from comminute._core import (
     Atom,
@@ -69,6 +72,7 @@ from comminute._core import (
 from comminute.closures import ClosureComparison, compare_closures
 from comminute.files.storage import EditedFileWarning
 from comminute.files.tables import Table
+from comminute.fitting.compression import CompressionFit, fit_compression
 from comminute.fitting.fit import fit
 from comminute.fitting.measurements import Measurement, UnknownStart
 from comminute.fitting.outcome import FitResult
@@ -106,6 +110,7 @@ __all__ = [
     "Breakage",
     "ClosureComparison",
     "Comparison",
+    "CompressionFit",
     "CrushZones",
     "EditedFileWarning",
     "Fabric",
@@ -170,6 +175,7 @@ __all__ = [
     "dem_text",
     "fines_share",
     "fit",
+    "fit_compression",
     "fitting_grid",
     "folk_ward",
     "fractal_dimension",

@@ -62,7 +62,7 @@ def _reaches_tail(name: str, curve: SizeCurve, silt: float) -> bool:
         return finest > silt
     if name.startswith("Hardin"):
         return finest > HARDIN_SILT and float(curve.finer[0]) > MATTERS
-    return name == "Einav B" and float(curve.finer[0]) > MATTERS
+    return name in ("Einav B", "void ratio") and float(curve.finer[0]) > MATTERS
 
 
 def footnotes(rows: list[dict[str, Any]]) -> list[str]:

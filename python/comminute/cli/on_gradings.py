@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import warnings
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -43,6 +43,9 @@ def stats(
     edges: Edges = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Follow the tail below the finest size.")] = False,
     percentiles: Percentiles = None,
+    void_ratio: Annotated[
+        float | None, typer.Option("--void-ratio", help="Measured void ratio, of a result that of its start.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Compute the indices of sieve tables, or of every load of results."""
@@ -52,7 +55,8 @@ def stats(
     table = {"number": number, "top": top, "sheet": sheet, "sample": sample}
     table |= {"mesh": mesh, "total_mass_g": total_mass_g, "edges": edges}
     percents = cli_tables.percents_of(percentiles) if percentiles else cli_stats.PERCENTS
-    found = [cli_stats.stats_of(file, extrapolate=extrapolate, percents=percents, **table) for file in files]
+    options: dict[str, Any] = {"extrapolate": extrapolate, "percents": percents, "initial_void_ratio": void_ratio}
+    found = [cli_stats.stats_of(file, **options | table) for file in files]
     if as_json:
         records = [cli_stats.as_json(one) for one in found]
         print(json.dumps(records[0] if len(files) == 1 else {"files": records}))

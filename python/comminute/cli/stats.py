@@ -16,6 +16,7 @@ from comminute.gradings.options import Reading
 from comminute.gradings.reading import SIEVES, Top, read_sieves
 from comminute.gradings.sieves import convert, unit_of
 from comminute.opening import open_result
+from comminute.packing.models import PACKING, calibrate, void_ratio
 from comminute.runs.remarks import load_labels
 from comminute.util.errors import parameter_error, reworded
 
@@ -26,7 +27,12 @@ PERCENTS = (5, 10, 16, 30, 50, 60, 80, 84, 95)
 
 
 def stats_of(
-    file: Path, *, extrapolate: bool = False, percents: Sequence[float] = PERCENTS, **table: Any
+    file: Path,
+    *,
+    extrapolate: bool = False,
+    percents: Sequence[float] = PERCENTS,
+    initial_void_ratio: float | None = None,
+    **table: Any,
 ) -> dict[str, Any]:
     """Compute the indices of a sieve table, or of the start and every load of a result file.
 
@@ -37,6 +43,8 @@ def stats_of(
         Follow tails below the finest size.
     percents : sequence of float
         Per cent of the mass of the sizes D_x.
+    initial_void_ratio : float, optional
+        Measured void ratio of the grading, or of the start of a result, to which the packing model is calibrated.
     **table
         Options of `Grading.read`, which a result has no use for.
 
@@ -51,24 +59,34 @@ def stats_of(
         require_no_options(file, table)
         result = open_result(file)
         start = result.start_curve
+        beta = _packing(start, initial_void_ratio)
         quantity, names = load_labels(result)
-        rows = [{"of": "start"} | indices_of(start, extrapolate=extrapolate, percents=percents)]
+        rows = [{"of": "start"} | indices_of(start, extrapolate=extrapolate, percents=percents, packing=beta)]
         for k, name in enumerate(names):
             curve = result.curve(k)
             loads = {"stress_ratio": float(result.stress_ratio[k])}
             loads |= {} if result.stress is None else {"stress": float(result.stress[k])}
-            found = indices_of(curve, extrapolate=extrapolate, percents=percents) | _breakage(start, curve)
+            found = indices_of(curve, extrapolate=extrapolate, percents=percents, packing=beta)
+            found |= _breakage(start, curve)
             found["marks"] = marks_of(found, curve, SILT, None)
             rows.append({"of": name} | loads | found)
         unit, notes = result.unit, result.notes
     else:
         grading, measured_top = read_sieve_table(file, **table)
         curve = SizeCurve.of(grading)
-        found = indices_of(curve, extrapolate=extrapolate, percents=percents)
+        beta = _packing(curve, initial_void_ratio)
+        found = indices_of(curve, extrapolate=extrapolate, percents=percents, packing=beta)
         found["marks"] = marks_of(found, curve, SILT, measured_top)
         rows = [{"of": file.name} | found]
         quantity, unit, notes = "", grading.unit, grading.notes
-    return {"file": str(file), "unit": unit, "quantity": quantity, "notes": list(notes), "gradings": rows}
+    origin = "a mere default; --void-ratio calibrates it" if initial_void_ratio is None else "calibrated"
+    packed = f"void ratio: mixed, by the compressible packing model at K = 9, virtual packing {beta:.4g} ({origin})"
+    return {"file": str(file), "unit": unit, "quantity": quantity, "notes": [*notes, packed], "gradings": rows}
+
+
+def _packing(start: SizeCurve, initial_void_ratio: float | None) -> float:
+    """Packing of single sizes: calibrated to a measured void ratio, where there is one."""
+    return PACKING if initial_void_ratio is None else calibrate(start, initial_void_ratio)
 
 
 def read_sieve_table(
@@ -96,7 +114,13 @@ def require_no_options(file: Path, table: dict[str, Any]) -> None:
             raise parameter_error(option, value, rule, finding=f"is given, but {file.name} is a result")
 
 
-def indices_of(curve: SizeCurve, *, extrapolate: bool = False, percents: Sequence[float] = PERCENTS) -> dict[str, Any]:
+def indices_of(
+    curve: SizeCurve,
+    *,
+    extrapolate: bool = False,
+    percents: Sequence[float] = PERCENTS,
+    packing: float = PACKING,
+) -> dict[str, Any]:
     """Every index of one curve; `extrapolate` follows its tail below the finest size.
 
     Returns
@@ -123,6 +147,7 @@ def indices_of(curve: SizeCurve, *, extrapolate: bool = False, percents: Sequenc
     add("Hardin Bp", lambda: breakage_potential(curve))
     if unit_of(curve.unit):
         add("finer than 0.063 mm", lambda: fines_share(curve, convert(SILT, "mm", curve.unit)))
+    add("void ratio", lambda: void_ratio(curve, packing=packing))
     found["marks"] = marks_of(found, curve, SILT, None)
     return found
 

@@ -3,17 +3,44 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from comminute.fitting.problem import FitProblem
+from comminute.fitting.parameters import Parameter
 
 Floats = npt.NDArray[np.float64]
 ROUNDS = 3  # most grids that a search goes through, each sized for the best parameters on the one before
 MOVED = 0.02  # change of a parameter, on the scale of the search, that asks for a new grid
+
+
+class Problem(Protocol):
+    """Least squares in some parameters, on the scale of the search."""
+
+    best: tuple[float, Floats] | None  # cost and place of the least residuals so far
+
+    @property
+    def parameters(self) -> Sequence[Parameter]:
+        """(P) numbers that are sought."""
+
+    @property
+    def bounds(self) -> tuple[Floats, Floats]:
+        """Ends of the parameters."""
+
+    def first(self) -> Floats:
+        """(P,) place from which the search starts."""
+
+    def prepare(self, vector: Floats) -> None:
+        """Choose what must not change while a search goes on."""
+
+    def residuals(self, vector: Floats) -> Floats:
+        """(M,) differences over their errors."""
+
+    def jacobian(self, vector: Floats) -> Floats:
+        """(M, P) their derivatives."""
 
 
 @dataclass
@@ -40,12 +67,12 @@ class Found:
     interrupted: bool = False
 
 
-def search(problem: FitProblem, starts: int, seed: int) -> Found:
+def search(problem: Problem, starts: int, seed: int) -> Found:
     """Search from the material's own values and from others, spread evenly over the usual range of each parameter.
 
     Parameters
     ----------
-    problem : FitProblem
+    problem : Problem
     starts : int
         Starts in all, at least 1.
     seed : int
@@ -88,7 +115,7 @@ def search(problem: FitProblem, starts: int, seed: int) -> Found:
         return Found(at, cost, costs, ends, interrupted=True)
 
 
-def _descend(problem: FitProblem, vector: Floats) -> tuple[float, Floats]:
+def _descend(problem: Problem, vector: Floats) -> tuple[float, Floats]:
     """Least squares from one start, on a new grid wherever the parameters have moved."""
     for _ in range(ROUNDS):
         problem.prepare(vector)
@@ -126,12 +153,12 @@ def covariance(jacobian: Floats) -> Floats:
     return found
 
 
-def profile(problem: FitProblem, found: Found, deviations: Floats, rise: float) -> list[tuple[float, float]]:
+def profile(problem: Problem, found: Found, deviations: Floats, rise: float) -> list[tuple[float, float]]:
     """Interval of each parameter in which the best cost with it fixed rises by no more than `rise`.
 
     Parameters
     ----------
-    problem : FitProblem
+    problem : Problem
     found : Found
         The best parameters.
     deviations : ndarray (P,)
@@ -156,7 +183,7 @@ def profile(problem: FitProblem, found: Found, deviations: Floats, rise: float) 
     return intervals
 
 
-def _end(problem: FitProblem, found: Found, p: int, step: float, rise: float) -> float:
+def _end(problem: Problem, found: Found, p: int, step: float, rise: float) -> float:
     """Place to one side of the best value at which the cost has risen by `rise`, to a hundredth of the interval."""
     low, high = problem.bounds
     others = np.arange(found.vector.size) != p

@@ -8,8 +8,10 @@ from comminute.plotting.comparison import (
     plot_evolution,
     plot_state,
 )
+from comminute.plotting.compression import plot_compression
 from comminute.plotting.everyday import plot_curves, plot_index
 from comminute.plotting.fabrics import plot_fabric, plot_result
+from comminute.plotting.models import plot_models
 from comminute.plotting.paper import (
     PRINT_STYLE,
     figure_size,
@@ -24,12 +26,14 @@ __all__ = [
     "plot_cdf_families",
     "plot_closures",
     "plot_comparison",
+    "plot_compression",
     "plot_curves",
     "plot_distances",
     "plot_evolution",
     "plot_fabric",
     "plot_fragment_kernel",
     "plot_index",
+    "plot_models",
     "plot_result",
     "plot_state",
     "plot_stress_contours",

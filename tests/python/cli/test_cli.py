@@ -285,7 +285,7 @@ def test_marks_of_what_was_not_measured(tmp_path: Path) -> None:
     tail = folder / "k8-fines-content-from-a-4mm-sieve.csv"
     plain = json.loads(call("stats", tail, "--json").output)["gradings"][0]
     assert plain["D50"] is None
-    assert plain["marks"] == {"extrapolated": ["Hardin Bp", "finer than 0.063 mm"]}
+    assert plain["marks"] == {"extrapolated": ["Hardin Bp", "finer than 0.063 mm", "void ratio"]}
     followed = json.loads(call("stats", tail, "--json", "--extrapolate").output)["gradings"][0]
     assert {"D10", "D50", "phi50", "Cu", "Folk-Ward mean"} <= set(followed["marks"]["extrapolated"])
     assert {"D60", "D80"}.isdisjoint(followed["marks"]["extrapolated"])
@@ -328,3 +328,16 @@ def test_a_run_whose_reader_has_gone_is_finished_all_the_same(folder: Path) -> N
     assert run.returncode == 0
     assert [file.name for file in folder.glob("*.nc*")] == ["run.nc"]
     assert cm.open_result(folder / "run.nc").stress_ratio.size == 40
+
+
+def test_void_ratios_in_the_table_of_indices(tmp_path: Path) -> None:
+    file = tmp_path / "sand.csv"
+    file.write_text("size_mm,percent_finer\n2,100\n1,60\n0.5,0\n")
+    plain, calibrated = call("stats", file, "--json"), call("stats", file, "--void-ratio", 0.62, "--json")
+    grading = cm.Grading.read(file)
+    rows = [json.loads(one.stdout)["gradings"][0]["void ratio"] for one in (plain, calibrated)]
+    assert rows == [cm.packing.void_ratio(grading), pytest.approx(0.62, rel=1e-9)]
+    assert "a mere default; --void-ratio calibrates it" in call("stats", file).stdout
+    refused = call("stats", file, "--void-ratio", 0.01)
+    assert refused.exit_code == 2
+    assert "this grading has" in refused.stderr

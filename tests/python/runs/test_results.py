@@ -88,6 +88,7 @@ THINGS = [
     RUN.load_table(["D50"]),
     FITTED.problem,
     SWEPT,
+    cm.fit_compression([10.0, 30.0], [0.6, 0.4], cm.lognormal(1.0, 0.2), cm.Material(), initial=0.7),
     cm.Zone(1),
 ]
 FAULTS = [
