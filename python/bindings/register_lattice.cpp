@@ -3,6 +3,7 @@
 
 #include "arrays.hpp"
 #include "interrupt.hpp"
+#include "rooms.hpp"
 #include "words.hpp"
 
 namespace {
@@ -339,6 +340,7 @@ void register_time_stepped(py::module_& m) {
 }  // namespace
 
 void register_lattice(py::module_& m) {
+    register_column_lattice(m);
     register_event_driven(m);
     register_time_stepped(m);
 }

@@ -14,6 +14,7 @@ void register_slow_update(py::module_& m);       // stepping
 void register_full_convolution(py::module_& m);  // stepping
 void register_solve_report(py::module_& m);      // sweeping
 void register_material_sweep(py::module_& m);    // sweeping
+void register_column_lattice(py::module_& m);    // lattice
 void register_material_points(py::module_& m);   // points
 void register_response_family(py::module_& m);   // points
 void register_resolved_batch(py::module_& m);    // resolved

@@ -29,6 +29,29 @@ struct Words<comminute::Mean> {
 };
 
 template <>
+struct Words<comminute::Partners> {
+    static constexpr const char* parameter = "partners";
+    static constexpr std::array<std::pair<const char*, comminute::Partners>, 3> list{
+        {{"permuted", comminute::Partners::permuted},
+         {"shift", comminute::Partners::shift},
+         {"locked", comminute::Partners::locked}}};
+};
+
+template <>
+struct Words<comminute::CrushOrder> {
+    static constexpr const char* parameter = "order";
+    static constexpr std::array<std::pair<const char*, comminute::CrushOrder>, 2> list{
+        {{"random", comminute::CrushOrder::random}, {"weakest", comminute::CrushOrder::weakest}}};
+};
+
+template <>
+struct Words<comminute::SwapRates> {
+    static constexpr const char* parameter = "rates";
+    static constexpr std::array<std::pair<const char*, comminute::SwapRates>, 2> list{
+        {{"pair", comminute::SwapRates::pair}, {"flowslm", comminute::SwapRates::flowslm}}};
+};
+
+template <>
 struct Words<comminute::Axis> {
     static constexpr const char* parameter = "exact";
     static constexpr std::array<std::pair<const char*, comminute::Axis>, 2> list{

@@ -70,6 +70,7 @@ from comminute._core import (
     uniform_size,
 )
 from comminute.closures import ClosureComparison, compare_closures
+from comminute.columns import ColumnLattice, ColumnResult, ShearMixing
 from comminute.files.storage import EditedFileWarning
 from comminute.files.tables import Table
 from comminute.fitting.compression import CompressionFit, fit_compression
@@ -109,6 +110,8 @@ __all__ = [
     "Atom",
     "Breakage",
     "ClosureComparison",
+    "ColumnLattice",
+    "ColumnResult",
     "Comparison",
     "CompressionFit",
     "CrushZones",
@@ -145,6 +148,7 @@ __all__ = [
     "Result",
     "Ridge",
     "ShapeError",
+    "ShearMixing",
     "SieveTable",
     "Simulation",
     "SizeCurve",

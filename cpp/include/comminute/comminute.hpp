@@ -4,6 +4,7 @@
 /// Everything. From a host's CMake: find_package(comminute) and link comminute::comminute.
 
 #include "comminute/batch.hpp"
+#include "comminute/column_lattice.hpp"
 #include "comminute/criterion.hpp"
 #include "comminute/error.hpp"
 #include "comminute/fabric.hpp"

@@ -27,7 +27,10 @@ enum class Purpose : std::uint64_t {
     shuffle,
     decision,
     first_strength,
-    strength
+    strength,
+    exchange,
+    partner,
+    clock
 };
 
 /// Random bits for place `where` (a cell) at instant `when` of one stream.

@@ -13,6 +13,7 @@
 #include "base/random.hpp"
 #include "base/workers.hpp"
 #include "lattice/crush.hpp"
+#include "lattice/rings.hpp"
 #include "lattice/weakest_first.hpp"
 
 namespace comminute {
@@ -60,11 +61,11 @@ double relative_psi(double size, double reference_size) {
                           .rule = "their ratio must be between e^-700 and e^700"});
 }
 
-LatticeRing ring_of(std::size_t cells, Index replica, const LatticeOptions& options) {
+LatticeRing ring_of(Index cells, Index replica, std::uint64_t seed) {
     LatticeRing ring;
-    ring.cells.resize(cells);
-    ring.crushes.assign(cells, 0);
-    ring.stream = random_bits(options.seed, Purpose::stream, static_cast<std::uint64_t>(replica), 0);
+    ring.cells.resize(static_cast<std::size_t>(cells));
+    ring.crushes.assign(ring.cells.size(), 0);
+    ring.stream = random_bits(seed, Purpose::stream, static_cast<std::uint64_t>(replica), 0);
     return ring;
 }
 
@@ -91,6 +92,42 @@ void draw_strengths(LatticeRing& ring, const Material& material) {
 
 }  // namespace
 
+LatticeRing detail::sampled_ring(Index cells, Index replica, const Grading& grading, const Material& material,
+                                 std::uint64_t seed) {
+    require_cells(cells);
+    relative_psi(grading.largest(), material.reference_size);
+    const auto* points = std::get_if<PointMasses>(&grading.law);
+    const bool one_size = points != nullptr && points->size.size() == 1;
+    LatticeRing ring = ring_of(cells, replica, seed);
+    for (std::size_t c = 0; c < ring.cells.size(); ++c) {
+        const double p = one_size ? 0.5 : random_uniform(ring.stream, Purpose::start, c, 0);
+        // tails that run on for ever end where a double does
+        const double size = std::max(grading.quantile(p), material.reference_size * 1e-300);
+        ring.cells[c] = LatticeCell::of(relative_psi(size, material.reference_size));
+    }
+    draw_strengths(ring, material);
+    return ring;
+}
+
+LatticeRing detail::ring_of_sizes(VectorView<const double> sizes, Index replica, const Material& material,
+                                  std::uint64_t seed) {
+    require_cells(sizes.size());
+    LatticeRing ring = ring_of(sizes.size(), replica, seed);
+    for (Index c = 0; c < sizes.size(); ++c) {
+        if (!(sizes[c] > 0.0 && std::isfinite(sizes[c]))) {
+            throw ParameterError({.parameter = "sizes",
+                                  .value = text(sizes[c]),
+                                  .number = sizes[c],
+                                  .rule = "it must be greater than 0 and finite",
+                                  .place = {entry("sizes", {c})}});
+        }
+        ring.cells[static_cast<std::size_t>(c)] =
+            LatticeCell::of(relative_psi(sizes[c], material.reference_size));
+    }
+    draw_strengths(ring, material);
+    return ring;
+}
+
 LatticeState::LatticeState(Index cells, Material material, const Grading& grading,
                            const LatticeOptions& options)
     : material_(std::move(material)), options_(options) {
@@ -99,19 +136,10 @@ LatticeState::LatticeState(Index cells, Material material, const Grading& gradin
     require_cells(cells);
     relative_psi(grading.largest(), material_.reference_size);
     const auto* points = std::get_if<PointMasses>(&grading.law);
-    const bool one_size = points != nullptr && points->size.size() == 1;
     rings_.resize(static_cast<std::size_t>(options.replicas));
     for_each_ring(
         [&](LatticeRing& ring, const auto&) {
-            ring = ring_of(static_cast<std::size_t>(cells), &ring - rings_.data(), options_);
-            for (std::size_t c = 0; c < ring.cells.size(); ++c) {
-                const double p = one_size ? 0.5 : random_uniform(ring.stream, Purpose::start, c, 0);
-                // tails that run on for ever end where a double does
-                const double size = std::max(grading.quantile(p), material_.reference_size * 1e-300);
-                ring.cells[c].psi = relative_psi(size, material_.reference_size);
-                ring.cells[c].size = std::exp(ring.cells[c].psi);
-            }
-            draw_strengths(ring, material_);
+            ring = sampled_ring(cells, &ring - rings_.data(), grading, material_, options_.seed);
         },
         {});
     note_sizes(points != nullptr ? points->size : std::vector<double>{});
@@ -121,23 +149,8 @@ LatticeState::LatticeState(VectorView<const double> sizes, Material material, co
     : material_(std::move(material)), options_(options) {
     material_.validate();
     require_options(options);
-    require_cells(sizes.size());
-    for (Index c = 0; c < sizes.size(); ++c) {
-        if (sizes[c] > 0.0 && std::isfinite(sizes[c])) continue;
-        throw ParameterError({.parameter = "sizes",
-                              .value = text(sizes[c]),
-                              .number = sizes[c],
-                              .rule = "it must be greater than 0 and finite",
-                              .place = {entry("sizes", {c})}});
-    }
-    for (Index replica = 0; replica < options.replicas; ++replica) {
-        rings_.push_back(ring_of(static_cast<std::size_t>(sizes.size()), replica, options_));
-        for (std::size_t c = 0; c < rings_.back().cells.size(); ++c) {
-            const double psi = relative_psi(sizes[static_cast<Index>(c)], material_.reference_size);
-            rings_.back().cells[c] = LatticeCell::of(psi);
-        }
-        draw_strengths(rings_.back(), material_);
-    }
+    for (Index replica = 0; replica < options.replicas; ++replica)
+        rings_.push_back(ring_of_sizes(sizes, replica, material_, options_.seed));
     FewSizes few;
     for (const double size : sizes) few.add(size);
     note_sizes(few.found());

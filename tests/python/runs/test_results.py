@@ -33,6 +33,7 @@ SWEPT = cm.sweep(
     {"material.fabric_width": [0.05, -1.0]},
     store=Path(tempfile.mkdtemp()) / "sweep.zarr",
 )
+COLUMN = cm.ColumnLattice(MATERIAL, cm.gap_graded(1.0, 0.2), height=1.0, cells=2, cells_per_row=50)
 THINGS = [
     GRID,
     MATERIAL,
@@ -88,6 +89,9 @@ THINGS = [
     RUN.load_table(["D50"]),
     FITTED.problem,
     SWEPT,
+    COLUMN,
+    COLUMN.run(time=[0.0, 1.0], stress_ratio=[4.0, 2.0], mixing=0.1),
+    cm.ShearMixing(0.1),
     cm.fit_compression([10.0, 30.0], [0.6, 0.4], cm.lognormal(1.0, 0.2), cm.Material(), initial=0.7),
     cm.Zone(1),
 ]
