@@ -362,7 +362,8 @@ class ColumnLattice:
         self,
         time: Sequence[float] | Floats,
         *,
-        stress_ratio: Given,
+        stress_ratio: Given | None = None,
+        stress: Given | None = None,
         shear_rate: Given = 1.0,
         segregation: float = 0.0,
         mixing: float | ShearMixing = 0.0,
@@ -382,6 +383,8 @@ class ColumnLattice:
             Times at which the column is looked at, rising, in seconds.
         stress_ratio : float, (Z,), (T, Z) or callable
             Loads, bottom first; of one row for each time straight lines between them; a callable of heights and a time.
+        stress : float, (Z,), (T, Z) or callable
+            Loads as stresses that are quoted as the material's first_crush_stress is, in place of stress ratios.
         shear_rate : float, (Z,), (T, Z) or callable
             Shear rate, in 1/s.
         segregation : float
@@ -413,7 +416,7 @@ class ColumnLattice:
             raise parameter_error("time", subject="time", finding="must rise, from one time at least")
         if step is not None and not step > 0.0:
             raise parameter_error("step", step, "it must be greater than 0")
-        loads = self._by_row("stress_ratio", stress_ratio, times)
+        loads = self._loads(stress_ratio, stress, times)
         shear = self._by_row("shear_rate", shear_rate, times)
         constant, by_shear = (0.0, mixing.factor) if isinstance(mixing, ShearMixing) else (float(mixing), 0.0)
         raised = self._core.load_to if math.isinf(crush_rate) else self._core.stand_under
@@ -449,6 +452,15 @@ class ColumnLattice:
             self.mean,
             self.material.reference_size,
         )
+
+    def _loads(self, stress_ratio: Given | None, stress: Given | None, times: Floats) -> Callable[[float], list[float]]:
+        """Give the stress ratios of the rows as a function of the time."""
+        if stress_ratio is not None and stress is None:
+            return self._by_row("stress_ratio", stress_ratio, times)
+        if stress is None or stress_ratio is not None:
+            raise parameter_error("stress_ratio", subject="give one kind of load:", finding="stress_ratio or stress")
+        stresses = self._by_row("stress", stress, times)
+        return lambda now: list(np.asarray(self.material.stress_ratio(np.array(stresses(now)))).tolist())
 
     def _by_row(self, name: str, given: Given, times: Floats) -> Callable[[float], list[float]]:
         """Give the numbers of the rows as a function of the time."""

@@ -268,6 +268,9 @@ COMMINUTE_API LogGrid fitting_grid(const Grading& grading, const Material& mater
 /// The same with a wanted bin width alone.
 COMMINUTE_API LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,
                                    double spacing);
+/// A whole number would be a bin width, and is meant for a number of bins: give options with `bins`.
+LogGrid fitting_grid(const Grading& grading, const Material& material, double max_stress_ratio,
+                     int bins) = delete;
 
 /// Size D_x such that `percent` of the mass is finer: inf{d : F(d) >= percent/100}, linear in ln d inside a
 /// bin. On a plateau this is its lower end.

@@ -26,6 +26,18 @@ namespace {
 
 using Numbers = std::vector<double>;
 
+template <class Last, class = decltype(fitting_grid(std::declval<const Grading&>(), Material{}, 1.0,
+                                                    std::declval<Last>()))>
+constexpr bool takes(int) {
+    return true;
+}
+template <class Last>
+constexpr bool takes(long) {
+    return false;
+}
+// A number of bins is no bin width.
+static_assert(takes<double>(0) && takes<GridOptions>(0) && !takes<int>(0));
+
 // Mass by N(> s) ~ s^-alpha: dF ~ s^3 s^(-alpha - 1) ds, integrated over ln s.
 double power_law_by_integration(double alpha, double smallest, double largest, double size) {
     const auto mass = [&](double psi) { return std::exp((3.0 - alpha) * psi); };

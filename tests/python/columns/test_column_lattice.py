@@ -316,6 +316,10 @@ def test_loads_as_a_callable_a_table_and_numbers() -> None:
     table = run(np.array([[1.0, 2.0], [5.0, 4.0]]))
     assert table == run(lambda z, t: np.array([1.0 + 4.0 * t, 2.0 + 2.0 * t]))
     assert run(3.0) == run([3.0, 3.0])
+    strong = cm.Material(first_crush_stress=2.0)
+    stressed = cm.ColumnLattice(strong, cm.monodisperse(1.0), height=1.0, cells=2, cells_per_row=500)
+    by_stress = stressed.run(time=[0.0, 1.0], stress=[6.0, 6.0], step=0.5)
+    assert np.array_equal(by_stress.log_sizes, run(3.0).log_sizes)
     assert table.stress_ratio.tolist() == [[1.0, 2.0], [5.0, 4.0]]
 
 
@@ -360,6 +364,9 @@ REFUSED: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     ({}, {"segregation": -1.0}, "segregation is -1"),
     ({}, {"crush_rate": -1.0}, "crush_rate is -1"),
     ({}, {"step": 0.0}, "step is 0"),
+    ({}, {"stress": 2.0}, "give one kind of load"),
+    ({}, {"stress_ratio": None}, "give one kind of load"),
+    ({}, {"stress_ratio": None, "stress": 2.0}, "first_crush_stress"),
 ]
 
 
