@@ -119,7 +119,13 @@ def test_lists_of_a_case_file_vary(tmp_path: Path) -> None:
     )
     found = cm.sweep(file, {"material.weibull_modulus": [3, 6]}, store=tmp_path / "s.zarr")
     assert found.keys == ("material.fabric_width", "material.weibull_modulus")
-    (tmp_path / "sand.csv").unlink()  # which the store has written out
+    moved = tmp_path / "elsewhere"
+    moved.mkdir()
+    file.rename(moved / "case.toml")
+    (tmp_path / "sand.csv").rename(moved / "sand.csv")
+    over = {"material.weibull_modulus": [3, 6]}
+    assert cm.sweep(moved / "case.toml", over, store=tmp_path / "s.zarr", resume=True) == found
+    (moved / "sand.csv").unlink()  # which the store has written out
     require_same(cm.Sweep(tmp_path / "s.zarr"), 3)
 
 
