@@ -13,7 +13,9 @@ strength, can take the void ratio down as far and as fast as it went, and so tha
 here. They do not show that it is right: the sands also rearrange before the first grain breaks, which this model of a
 mixed packing cannot know (its curves are flat up to there, the measured ones are not), the start's grading is a
 guess, and the intervals, in which each number may lie at a standard deviation of 0.03 in :math:`e`, span a factor of
-three and more in :math:`n`, or have no end. Gradings measured after loading tell both numbers; void ratios hardly.
+three and more in :math:`n`, or have no end. That deviation is assumed, as the packing model's own error: estimated
+from the misfit of three points by two numbers, with one degree of freedom, it would leave no interval with an end.
+Gradings measured after loading tell both numbers; void ratios hardly.
 """
 
 import csv

@@ -225,7 +225,7 @@ def fit_compression(
         Void ratio of the start.
     error : float
         Standard deviation of a void ratio. By default 0.03, which is the packing model's: models of mixed packings
-        differ by .02 to .06. Intervals are no better than this number.
+        differ by .02 to .06. It is assumed, not estimated from the misfit, and intervals are no better than it.
     model : {"cpm", "lpm", "linear-mixture"}
         Packing model.
     compaction : float
