@@ -13,10 +13,12 @@ Examples
 True
 """
 
+import comminute.util.keywords
+
+# isort: split
 import comminute.comparators
 import comminute.energy
 import comminute.packing
-import comminute.util.keywords  # noqa: F401  (before the names of the core are taken from it)
 from comminute._core import (
     Atom,
     CrushZones,

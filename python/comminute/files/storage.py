@@ -200,6 +200,7 @@ def require_netcdf(wanted_for: str) -> Any:
     return xr
 
 
+@uninterrupted()  # xarray loads more libraries when it first makes a dataset, and they may not survive it
 def save_netcdf(result: ResultData, path: Path) -> Path:
     """Write a result to a NetCDF file; see `Result.save`."""
     require_netcdf(f"saving {path.name}")
@@ -232,8 +233,8 @@ def read_netcdf(file: Path) -> ResultData:
             with h5py.File(file) as opened:  # refuses here what h5netcdf would fail to close again
                 dict(opened.attrs)
             data = xr.load_dataset(file, engine="h5netcdf", decode_cf=False)
-        layout = str(data.attrs["layout"])
-        changes, result = _read(data) if layout in (LAYOUT, RESOLVED_LAYOUT) else ([], None)
+            layout = str(data.attrs["layout"])
+            changes, result = _read(data) if layout in (LAYOUT, RESOLVED_LAYOUT) else ([], None)
     except Exception as error:  # whatever a damaged file makes the libraries below raise
         finding = "is no result as comminute wrote it: it is damaged, cut short, or was changed by another program"
         raise wrong_file(file.name, finding, "run it again") from error

@@ -13,7 +13,10 @@ import sys
 from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar, get_args, get_type_hints
 
-from comminute._core import Grading
+from comminute.util.whole_files import uninterrupted
+
+with uninterrupted():  # a Ctrl-C while the core is being loaded would come out as an ImportError
+    from comminute._core import Grading
 
 P = ParamSpec("P")
 R = TypeVar("R")
