@@ -13,12 +13,12 @@ Examples
 True
 """
 
-import comminute.util.keywords
+import comminute.util.keywords  # before the names of the core are taken from it
 
 # isort: split
 import comminute.comparators
 import comminute.energy
-import comminute.packing
+import comminute.packing  # noqa: F401  (the names of these three are theirs)
 from comminute._core import (
     Atom,
     CrushZones,
