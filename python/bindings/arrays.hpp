@@ -34,3 +34,15 @@ inline py::array_t<double> copied(const std::vector<double>& values) {
 /// A read-only view that keeps `owner` alive.
 py::array_t<double> read_only_view(const double* data, const std::vector<py::ssize_t>& shape,
                                    const py::object& owner);
+
+/// Numbers of any kind as an array of their own, for states that are stored.
+template <class T>
+py::array_t<T> array_of(const std::vector<T>& values) {
+    return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+template <class T>
+std::vector<T> vector_of(const py::handle& object) {
+    const auto array = object.cast<py::array_t<T, py::array::c_style>>();
+    return {array.data(), array.data() + array.size()};
+}

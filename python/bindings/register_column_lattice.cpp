@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "arrays.hpp"
+#include "guarded.hpp"
 #include "interrupt.hpp"
 #include "rooms.hpp"
 #include "words.hpp"
@@ -14,22 +14,7 @@ namespace {
 
 using namespace comminute;
 
-/// A column behind a lock, since the GIL does not guard it while it is driven.
-class Column {
-  public:
-    explicit Column(ColumnLattice column) : column_(std::move(column)) {}
-
-    template <class F>
-    auto with(const F& f) {
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        return f(column_);
-    }
-
-  private:
-    ColumnLattice column_;
-    std::mutex mutex_;
-};
+using Column = Guarded<ColumnLattice>;
 
 ColumnOptions options_of(std::uint64_t seed, const std::string& mean, const std::string& partners,
                          const std::string& order, const std::string& rates, double largest_mixing,
@@ -55,17 +40,6 @@ std::unique_ptr<Column> from_sizes(const py::array_t<double, py::array::c_style>
     const MatrixView<const double> rows = matrix_in(sizes);
     const py::gil_scoped_release release;
     return std::make_unique<Column>(ColumnLattice(rows, material, height, options));
-}
-
-template <class T>
-py::array_t<T> array_of(const std::vector<T>& values) {
-    return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
-}
-
-template <class T>
-std::vector<T> vector_of(const py::handle& object) {
-    const auto array = object.cast<py::array_t<T, py::array::c_style>>();
-    return {array.data(), array.data() + array.size()};
 }
 
 py::tuple row_state(const ColumnRow& row) {
@@ -128,6 +102,12 @@ void register_column_lattice(py::module_& m) {
     told["largest_segregation"] = defaults.largest_segregation;
     told["threads"] = defaults.threads;
     tell_defaults(m, "ColumnLattice", told);
+    const ColumnDrive still;
+    py::dict driven;
+    driven["segregation"] = still.segregation;
+    driven["mixing"] = still.mixing;
+    driven["crush_rate"] = still.crush_rate;
+    tell_defaults(m, "ColumnLattice.run", driven);
     py::class_<Column>(m, "_ColumnLattice", "Rows of a column lattice, for `ColumnLattice`.")
         .def(py::init(&from_gradings), py::arg("rows"), py::arg("cells"), py::arg("material"),
              py::arg("height"), py::arg("options"))

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <mutex>
-
 #include "arrays.hpp"
+#include "guarded.hpp"
 #include "interrupt.hpp"
 #include "rooms.hpp"
 #include "words.hpp"
@@ -9,25 +8,6 @@
 namespace {
 
 using namespace comminute;
-
-/// A lattice behind a lock, since the GIL does not guard it while it is loaded.
-template <class Model>
-class Guarded {
-  public:
-    explicit Guarded(Model model) : model_(std::move(model)) {}
-
-    /// Calls f(model) without the GIL, alone.
-    template <class F>
-    auto with(const F& f) {
-        const py::gil_scoped_release release;
-        const std::lock_guard lock(mutex_);
-        return f(model_);
-    }
-
-  private:
-    Model model_;
-    std::mutex mutex_;
-};
 
 LatticeOptions options_of(std::uint64_t seed, Index replicas, const std::string& mean, Index threads,
                           bool record_avalanches) {
@@ -57,17 +37,6 @@ std::vector<double> sizes_in(const py::object& sizes) {
         length = array.size();
     }
     const auto array = strict_array(sizes, {length}, "sizes");
-    return {array.data(), array.data() + array.size()};
-}
-
-template <class T>
-py::array_t<T> array_of(const std::vector<T>& values) {
-    return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
-}
-
-template <class T>
-std::vector<T> vector_of(const py::handle& object) {
-    const auto array = object.cast<py::array_t<T, py::array::c_style>>();
     return {array.data(), array.data() + array.size()};
 }
 

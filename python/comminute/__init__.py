@@ -72,7 +72,9 @@ from comminute._core import (
     uniform_size,
 )
 from comminute.closures import ClosureComparison, compare_closures
-from comminute.columns import ColumnLattice, ColumnResult, ShearMixing
+from comminute.columns.drive import ShearMixing
+from comminute.columns.lattice import ColumnLattice
+from comminute.columns.result import ColumnResult
 from comminute.files.storage import EditedFileWarning
 from comminute.files.tables import Table
 from comminute.fitting.compression import CompressionFit, fit_compression

@@ -169,12 +169,15 @@ class COMMINUTE_API ColumnLattice {
     void require_all(Index rows);
     void add(LatticeRing ring);
     const ColumnRow& checked(Index row) const;
+    /// Number that stands for remixings in the keys of a ring.
+    std::uint32_t exchanges_so_far() const { return static_cast<std::uint32_t>(sweeps_); }
     void require_drive(double time, const ColumnDrive& drive) const;
     void measure();
     Bond bond(Index lower, double time, const ColumnDrive& drive) const;
     double segregation(const Bond& bond, double lower, double upper) const;
     double divided(double time, const ColumnDrive& drive, ColumnReport& report) const;
     std::uint64_t exchange(Index lower, const Bond& bond);
+    std::uint64_t crush_weakest(ColumnRow& row, double load, const std::function<bool()>& ask);
     std::uint64_t settle(Index row, double clock);
     std::uint64_t settle_all(const ColumnDrive& drive, double time, const std::function<bool()>& go_on);
 

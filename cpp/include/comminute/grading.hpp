@@ -121,7 +121,7 @@ COMMINUTE_API CurvePoints curve_on_grid(const LogGrid& grid, VectorView<const do
 
 /// Curve of a crushed grading that bends at the sieves of its measured start, as far as bins still hold grains of it.
 ///
-/// Of the mass in a bin, as much as the start had there is spread as the sieve data are; the rest, fragments that landed
+/// The mass of a bin, up to what the start had there, is spread as the sieve data are; the rest, fragments that landed
 /// there, evenly in ln d. A grading that is the start has the curve that was measured.
 /// @param curve    of `mass`, as curve_on_grid() gives it
 /// @param mass     (N) by bin

@@ -182,16 +182,26 @@ bool ColumnLattice::load_to(VectorView<const double> stress_ratio, const std::fu
     for_each_index(
         rows_.size(), static_cast<std::size_t>(options_.threads),
         [&](std::size_t z, const std::function<bool()>& ask) {
-            ColumnRow& row = rows_[z];
-            const std::vector<std::uint32_t> draws = row.ring.crushes;
-            const bool done = crush_weakest_first(row.ring, material_, options_.mean, loads_[z], false, ask);
-            for (std::size_t c = 0; c < draws.size(); ++c) row.crushes[c] += row.ring.crushes[c] - draws[c];
-            row.touched.clear();
-            row.at_rest = done;
-            if (!done) finished = false;
+            crush_weakest(rows_[z], loads_[z], ask);
+            if (!rows_[z].at_rest) finished = false;
         },
         go_on);
     return finished;
+}
+
+// Equally weak cells crush in the order of keys of their places. Those that are left over from an order are the ones with
+// high keys, so that each exchange, which puts other cells beside them, has keys of its own.
+std::uint64_t ColumnLattice::crush_weakest(ColumnRow& row, double load, const std::function<bool()>& ask) {
+    row.ring.remixes = exchanges_so_far();
+    const std::vector<std::uint32_t> draws = row.ring.crushes;
+    row.at_rest = crush_weakest_first(row.ring, material_, options_.mean, load, false, ask);
+    row.touched.clear();
+    std::uint64_t crushes = 0;
+    for (std::size_t c = 0; c < draws.size(); ++c) {
+        row.crushes[c] += row.ring.crushes[c] - draws[c];
+        crushes += row.ring.crushes[c] - draws[c];
+    }
+    return crushes;
 }
 
 void ColumnLattice::stand_under(VectorView<const double> stress_ratio) {
@@ -327,16 +337,9 @@ std::uint64_t ColumnLattice::settle(Index z, double clock) {
         return 0;
     }
     if (options_.order == CrushOrder::weakest && clock == infinity) {
-        const std::vector<std::uint32_t> draws = row.ring.crushes;
-        crush_weakest_first(row.ring, material_, options_.mean, load, false, {});
-        std::uint64_t crushes = 0;
-        for (std::size_t c = 0; c < draws.size(); ++c) {
-            row.crushes[c] += row.ring.crushes[c] - draws[c];
-            crushes += row.ring.crushes[c] - draws[c];
-        }
-        row.touched.clear();
-        return crushes;
+        return crush_weakest(row, load, {});
     }
+    row.ring.remixes = exchanges_so_far();
     return Settling(row, *this, closed_log_load(row.ring, material_, load)).run(clock);
 }
 

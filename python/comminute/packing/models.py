@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Literal
+from typing import Literal, TypedDict, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +25,15 @@ PACKING = 2.0 / 3.0  # a mere default: grains of one size then have a void ratio
 COMPACTION = 9.0  # vibrated under 10 kPa
 RODS = 100_000
 BISECTIONS = 60
+
+
+class PackingOptions(TypedDict, total=False):
+    """Options of `solid_fraction`, which has their defaults and meanings."""
+
+    packing: Packing
+    compaction: float
+    classes: int | None
+    rods: int
 
 
 def solid_fraction(
@@ -94,15 +103,9 @@ def solid_fraction(
 
 
 def void_ratio(
-    grading: Grading | SizeCurve | SizeClasses,
-    model: Model = "cpm",
-    *,
-    packing: Packing = PACKING,
-    compaction: float = COMPACTION,
-    classes: int | None = None,
-    rods: int = RODS,
+    grading: Grading | SizeCurve | SizeClasses, model: Model = "cpm", **options: Unpack[PackingOptions]
 ) -> float:
-    """Volume of the voids over that of the grains, e = 1 / Phi - 1; see `solid_fraction`.
+    """Volume of the voids over that of the grains, e = 1 / Phi - 1; see `solid_fraction` for arguments and errors.
 
     Examples
     --------
@@ -110,17 +113,14 @@ def void_ratio(
     >>> round(cm.packing.void_ratio(cm.monodisperse(1.0)), 12)
     0.666666666667
     """
-    phi = solid_fraction(grading, model, packing=packing, compaction=compaction, classes=classes, rods=rods)
-    return 1.0 / phi - 1.0
+    return 1.0 / solid_fraction(grading, model, **options) - 1.0
 
 
 def calibrate(
     grading: Grading | SizeCurve | SizeClasses,
     void_ratio: float,
     model: Model = "cpm",
-    *,
-    compaction: float = COMPACTION,
-    classes: int | None = None,
+    **options: Unpack[PackingOptions],
 ) -> float:
     """Packing of one size that gives a grading a measured void ratio.
 
@@ -131,10 +131,8 @@ def calibrate(
     void_ratio : float
         Its void ratio, in a state of the compaction that all others will be compared in.
     model : {"cpm", "lpm", "linear-mixture"}
-    compaction : float
-        K of "cpm".
-    classes : int, optional
-        Number of classes of a curve.
+    **options
+        `compaction` and `classes`, as for `solid_fraction`.
 
     Returns
     -------
@@ -144,7 +142,8 @@ def calibrate(
     Raises
     ------
     ParameterError
-        For a void ratio that no packing in (0, 1) gives, and for rods, which have nothing to be calibrated.
+        For a void ratio that no packing in (0, 1) gives, for rods, which have nothing to be calibrated, and for a
+        packing, which is what is looked for.
 
     Examples
     --------
@@ -155,12 +154,14 @@ def calibrate(
     """
     if model == "rods":
         raise parameter_error("model", "'rods'", 'they have no free number: take "cpm", "lpm" or "linear-mixture"')
+    if "packing" in options:
+        raise parameter_error("packing", str(options["packing"]), "it is what is looked for: leave it out")
     if not 0.0 < void_ratio < math.inf:
         raise parameter_error("void_ratio", float(void_ratio), "it must be greater than 0 and finite")
-    divided = _divided(grading, model, classes)
+    divided = _divided(grading, model, options.get("classes"))
 
     def fraction(packing: float) -> float:
-        return solid_fraction(divided, model, packing=packing, compaction=compaction)
+        return solid_fraction(divided, model, **options | {"packing": packing})
 
     wanted, low, high = 1.0 / (1.0 + void_ratio), 1e-6, 1.0 - 1e-9
     if not fraction(low) < wanted < fraction(high):
@@ -175,12 +176,7 @@ def calibrate(
 
 
 def separated_void_ratio(
-    grading: Grading | SizeCurve | SizeClasses,
-    model: Model = "cpm",
-    *,
-    packing: Packing = PACKING,
-    compaction: float = COMPACTION,
-    classes: int | None = None,
+    grading: Grading | SizeCurve | SizeClasses, model: Model = "cpm", **options: Unpack[PackingOptions]
 ) -> float:
     """Void ratio of the same grains with each size in a place of its own, the largest that a grading can have.
 
@@ -191,21 +187,15 @@ def separated_void_ratio(
     >>> mixed < apart, round(apart, 6)
     (True, 0.666667)
     """
-    divided = classes_of(grading, classes)
+    if not isinstance(options.get("packing"), Mapping):  # then all sizes lie alike
+        return 1.0 / solid_fraction(_of_one_size(1.0), model, **options) - 1.0
+    divided = classes_of(grading, options.get("classes"))
     held = divided.all_shares > 0.0
-    alone = _packings(packing, divided.all_sizes[held])
-    if model == "cpm":
-        alone = alone * compaction / (1.0 + compaction)
-    return float((divided.all_shares[held] / alone).sum() - 1.0)
+    solid = [solid_fraction(_of_one_size(float(size)), model, **options) for size in divided.all_sizes[held]]
+    return float((divided.all_shares[held] / solid).sum() - 1.0)
 
 
-def fines_effect(
-    grading: Grading | SizeCurve,
-    model: Model = "cpm",
-    *,
-    packing: Packing = PACKING,
-    compaction: float = COMPACTION,
-) -> float:
+def fines_effect(grading: Grading | SizeCurve, model: Model = "cpm", **options: Unpack[PackingOptions]) -> float:
     """Change of the void ratio where what is finer than the finest known size is half as large as it is taken to be.
 
     Examples
@@ -216,12 +206,11 @@ def fines_effect(
     >>> abs(cm.packing.fines_effect(cm.power_law(2.5, 0.0, 1.0))) < 1e-3
     True
     """
-    divided = classes_of(grading)
+    divided = _divided(grading, model, options.get("classes"))
     if divided.fines_share == 0.0:
         return 0.0
     finer = divided.with_fines_at(0.5 * divided.fines_size)
-    after, before = (void_ratio(one, model, packing=packing, compaction=compaction) for one in (finer, divided))
-    return after - before
+    return void_ratio(finer, model, **options) - void_ratio(divided, model, **options)
 
 
 def narrow_spheres(grading: Grading | SizeCurve) -> float:
@@ -256,6 +245,12 @@ def narrow_spheres(grading: Grading | SizeCurve) -> float:
     spread = math.sqrt(float(number @ deviation**2))
     skewness = float(number @ deviation**3) / spread**3 if spread > 0.0 else 0.0
     return 0.634 + 0.0658 * spread + 0.0857 * skewness * spread**2
+
+
+def _of_one_size(size: float) -> SizeClasses:
+    """Classes of grains of one size."""
+    none = np.zeros(0)
+    return SizeClasses(none, none, 0.0, np.array([size]), np.ones(1))
 
 
 def _divided(grading: Grading | SizeCurve | SizeClasses, model: Model, classes: int | None) -> SizeClasses:

@@ -133,11 +133,14 @@ def executor_of(given: Any, jobs: int) -> Iterator[Executor]:
 
 
 def _chunk(plan: Plan, members: Members) -> int:
-    """Members that take about half a second, by what the first few take."""
-    first = members.rows(0, min(4, members.count))
-    begun = time.perf_counter()
-    rows_of(plan, first)
-    each = (time.perf_counter() - begun) / len(first)
+    """Members that take about half a second, by what the first takes, or the first few where that is little."""
+    each = math.inf
+    for count in (1, min(4, members.count)):
+        begun = time.perf_counter()
+        rows_of(plan, members.rows(0, count))
+        each = (time.perf_counter() - begun) / count
+        if each > 0.1 * SECONDS:
+            break
     return max(1, min(int(SECONDS / each), MOST_IN_CHUNK, math.ceil(members.count / LEAST_CHUNKS)))
 
 

@@ -132,7 +132,7 @@ class Sweep:
         percents = [float(percent) for percent in self._data["percent"].values]
         kept = [f"D{percent:g}" for percent in percents]
         if name.upper() in kept:
-            return np.asarray(self._data["percentile"].values[:, :, kept.index(name.upper())])
+            return np.asarray(self._data["percentile"].isel(percent=kept.index(name.upper())).values)
         if name not in self._data or name in ("percentile", "finer", "percent", "size", "message"):
             numbers = [key for key in self._data.data_vars if self._data[key].dims == ("member", "load")]
             known = ", ".join([*self.keys, *map(str, numbers), *kept])
@@ -155,12 +155,17 @@ class Sweep:
         ----------
         load : int
             Index of the load.
+
+        Returns
+        -------
+        pandas.DataFrame
         """
         import pandas  # noqa: PLC0415  (xarray, which read the store, brings it)
 
         columns = {name: self._data[name].values for name in (*self.keys, "status")}
-        columns |= {name: self._data[name].values[:, load] for name in BY_LOAD}
-        sizes = self._data["percentile"].values[:, load]
+        after = self._data.isel(load=load)
+        columns |= {name: after[name].values for name in BY_LOAD}
+        sizes = after["percentile"].values
         columns |= {f"D{percent:g}": sizes[:, k] for k, percent in enumerate(self._data["percent"].values)}
         columns["message"] = [bytes(text).decode() for text in self._data["message"].values]
         return pandas.DataFrame(columns).rename_axis("member")
