@@ -3,22 +3,15 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <vector>
 
+#include "comminute/column_drive.hpp"
 #include "comminute/export.hpp"
 #include "comminute/grading.hpp"
 #include "comminute/lattice.hpp"
 #include "comminute/material.hpp"
 
 namespace comminute {
-
-/// Which cell of the row above a cell may change places with.
-enum class Partners : unsigned char {
-    permuted,  ///< another at random for each cell and each exchange: swaps at adjacent cells have nothing in common
-    shift,   ///< that at one random distance for all cells of a row: neighbours arrive together
-    locked,  ///< always the same: grains that are swapped back meet their old neighbours
-};
 
 /// Which active cell of a row crushes first after an exchange, when several have come to be active at once.
 enum class CrushOrder : unsigned char {
@@ -43,17 +36,6 @@ struct ColumnOptions {
         0.1;  ///< in (0, 1], of a swap by mixing in one exchange, beyond which it is divided
     double largest_segregation = 0.25;  ///< in (0, 1], the same of segregation
     Index threads = 1;                  ///< >= 1, at most so many rows are worked on at a time
-};
-
-/// Rates that drive a column for a while. Lengths in metres of solid, times in seconds.
-struct ColumnDrive {
-    VectorView<const double> shear_rate = {nullptr, 0};  ///< (rows) >= 0, bottom first
-    double mixing = 0.0;        ///< D >= 0, diffusivity of grains over the height [m2/s], and beside it
-    double shear_mixing = 0.0;  ///< D_0 >= 0: D_0 times the shear rate times the square of the mean size
-    double segregation =
-        0.0;  ///< k_s >= 0 [m]: the velocity is k_s times the shear rate times (s / mean - 1)
-    /// k_b >= 0, crushes of an active grain in a unit of shear strain; inf: at once
-    double crush_rate = std::numeric_limits<double>::infinity();
 };
 
 /// A row of a column: its ring, and what the future depends on beside it.
@@ -171,7 +153,6 @@ class COMMINUTE_API ColumnLattice {
     const ColumnRow& checked(Index row) const;
     /// Number that stands for remixings in the keys of a ring.
     std::uint32_t exchanges_so_far() const { return static_cast<std::uint32_t>(sweeps_); }
-    void require_drive(double time, const ColumnDrive& drive) const;
     void measure();
     Bond bond(Index lower, double time, const ColumnDrive& drive) const;
     double segregation(const Bond& bond, double lower, double upper) const;

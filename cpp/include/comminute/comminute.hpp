@@ -4,6 +4,7 @@
 /// Everything. From a host's CMake: find_package(comminute) and link comminute::comminute.
 
 #include "comminute/batch.hpp"
+#include "comminute/column_drive.hpp"
 #include "comminute/column_lattice.hpp"
 #include "comminute/criterion.hpp"
 #include "comminute/error.hpp"
@@ -20,6 +21,7 @@
 #include "comminute/quasi_static.hpp"
 #include "comminute/resolved.hpp"
 #include "comminute/resolved_batch.hpp"
+#include "comminute/resolved_column.hpp"
 #include "comminute/resolved_grid.hpp"
 #include "comminute/response_family.hpp"
 #include "comminute/response_table.hpp"

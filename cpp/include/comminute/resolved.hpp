@@ -12,6 +12,10 @@
 
 namespace comminute {
 
+namespace detail {
+class ResolvedAccess;
+}
+
 /// How a law of three cells is stepped.
 struct ResolvedOptions {
     Mean mean = Mean::arithmetic;
@@ -134,6 +138,7 @@ class COMMINUTE_API Resolved {
     Index steps() const;
 
   private:
+    friend class detail::ResolvedAccess;
     struct Work;
     explicit Resolved(std::unique_ptr<Work> work);
     std::unique_ptr<Work> work_;

@@ -17,6 +17,7 @@
 #include "lattice/ring_criterion.hpp"
 #include "lattice/rings.hpp"
 #include "lattice/weakest_first.hpp"
+#include "model/column_drive.hpp"
 
 namespace comminute {
 
@@ -215,22 +216,6 @@ void ColumnLattice::stand_under(VectorView<const double> stress_ratio) {
     loads_.assign(stress_ratio.begin(), stress_ratio.end());
 }
 
-void ColumnLattice::require_drive(double time, const ColumnDrive& drive) const {
-    require(time >= 0.0 && std::isfinite(time), "time", time, "at least 0 and finite");
-    require(!loads_.empty(), "stress_ratio", 0.0, "given first, by load_to: 0 is no load");
-    require_entries(drive.shear_rate.size(), rows(), entry("shear_rate"), "it must have one for each row");
-    for (Index z = 0; z < rows(); ++z)
-        require(drive.shear_rate[z] >= 0.0 && std::isfinite(drive.shear_rate[z]), "shear_rate",
-                drive.shear_rate[z], "at least 0 and finite");
-    require(drive.mixing >= 0.0 && std::isfinite(drive.mixing), "mixing", drive.mixing,
-            "at least 0 and finite");
-    require(drive.shear_mixing >= 0.0 && std::isfinite(drive.shear_mixing), "shear_mixing",
-            drive.shear_mixing, "at least 0 and finite");
-    require(drive.segregation >= 0.0 && std::isfinite(drive.segregation), "segregation", drive.segregation,
-            "at least 0 and finite");
-    require(drive.crush_rate >= 0.0, "crush_rate", drive.crush_rate, "at least 0 (inf: at once)");
-}
-
 void ColumnLattice::measure() {
     for_each_index(rows_.size(), static_cast<std::size_t>(options_.threads),
                    [&](std::size_t z, const auto&) {
@@ -360,7 +345,8 @@ std::uint64_t ColumnLattice::settle_all(const ColumnDrive& drive, double time,
 
 ColumnReport ColumnLattice::advance(double time, const ColumnDrive& drive,
                                     const std::function<bool()>& go_on) {
-    require_drive(time, drive);
+    require_column_drive(time, drive, rows());
+    require(!loads_.empty(), "stress_ratio", 0.0, "given first, by load_to: 0 is no load");
     ColumnReport report;
     const bool exchanges = drive.mixing > 0.0 || drive.shear_mixing > 0.0 || drive.segregation > 0.0;
     double left = time;

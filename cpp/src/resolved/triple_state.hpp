@@ -76,7 +76,18 @@ class TripleState {
     }
     const LaneArray& settled() const { return settled_; }
     const LaneArray& pending() const { return pending_; }
+    /// The same to change, for what moves grains between states: mirror symmetry and equal pairs are its to keep.
+    LaneArray& settled() { return settled_; }
+    LaneArray& pending() { return pending_; }
+    /// (N, N, stride) active share of every triple under the load.
+    const LaneArray& share() const { return share_; }
+    /// Neighbours c of (b; a, c) for which that is not 0.
+    Reach reach(const TripleTables& tables, Index b, Index a) const {
+        return reach_[b * tables.nodes() + a];
+    }
 
+    /// Raises the load: what the zone overruns is pending from then on.
+    void overrun(const TripleTables& tables, double level);
     /// Raises the load by one step: what the zone overruns crushes, and then the neighbours see what has become of it.
     void step(const TripleTables& tables, double level, TripleScratch& scratch);
     /// Mass that the zone would overrun in a step to a load, or, where that is more, the root of the mass of adjacent cells
@@ -99,7 +110,6 @@ class TripleState {
     template <class Mass>
     void move_neighbours(const TripleTables& tables, Index centre, TripleScratch& scratch, LaneArray& moved,
                          const Mass& mass) const;
-    void overrun(const TripleTables& tables, double level);
     void count_pairs(const TripleTables& tables, TripleScratch& scratch) const;
     void release(const TripleTables& tables, TripleScratch& scratch);
     void crush_between_pairs(const TripleTables& tables, TripleScratch& scratch);

@@ -19,6 +19,7 @@ ROOMS = (
     "stepping",
     "sweeping",
     "resolved",
+    "columns",
     "points",
     "lattice",
     "c",

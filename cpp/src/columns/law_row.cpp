@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "columns/law_row.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <string>
+
+#include "base/check.hpp"
+#include "resolved/resolved_access.hpp"
+#include "simd/loops.hpp"
+
+namespace comminute::detail {
+
+ColumnTables::ColumnTables(const ResolvedGrid& grid, const Material& material,
+                           const ResolvedColumnOptions& options)
+    : triples(grid, material, options.mean),
+      closed{options.mean, options.tolerance, ResolvedOptions{}.max_step, 1},
+      rules{options.tolerance, options.competition, options.rest} {
+    for (Index i = 0; i < grid.nodes(); ++i) {
+        const double width = grid.width(i);
+        const double size = std::exp(grid.upper(i));
+        sizes.push_back(width > 0.0 ? -size * std::expm1(-width) / width : size);
+    }
+}
+
+LawRow::LawRow(const ColumnTables& tables, const std::vector<double>& pmf) : start_(pmf) {
+    keep(Resolved(tables.triples.grid(), tables.triples.material(), pmf, tables.closed));
+}
+
+LawRow::LawRow(const ColumnTables& tables, const ResolvedRowRecord& record) : start_(record.start) {
+    if (record.load >= 0.0) load_ = record.load;
+    if (record.has_met) {
+        open_.emplace(OpenRow{TripleState(tables.triples, record.open), Array<double>(record.counts)});
+    } else {
+        keep(Resolved(tables.triples.grid(), tables.triples.material(), record.closed, tables.closed));
+    }
+}
+
+Resolved LawRow::law(const ColumnTables& tables) const {
+    return Resolved(tables.triples.grid(), tables.triples.material(), closed_, tables.closed);
+}
+
+void LawRow::keep(const Resolved& law) {
+    closed_ = law.record();
+    closed_pmf_ = law.pmf();
+    closed_crushes_ = law.crushes();
+}
+
+void LawRow::load_to(const ColumnTables& tables, double stress_ratio, Settling& settling) {
+    load_ = stress_ratio;
+    if (!open_) {
+        if (stress_ratio <= closed_.settled_at) return;
+        Resolved closed = law(tables);
+        closed.load_to(stress_ratio);
+        keep(closed);
+        return;
+    }
+    settling.raise(*open_, std::log(stress_ratio), tables.closed.max_step);
+}
+
+void LawRow::stand_under(const ColumnTables& tables, double stress_ratio) {
+    load_ = stress_ratio;
+    TripleState& law = opened(tables).law;
+    const double level = tables.triples.level(std::log(stress_ratio));
+    if (level > law.level()) law.overrun(tables.triples, level);
+}
+
+// Of the closed law it is known how often its grains crushed, and not which; the crushes are given to the sizes of which
+// there is more than at the start.
+OpenRow& LawRow::opened(const ColumnTables& tables) {
+    if (open_) return *open_;
+    const TripleState state = ResolvedAccess::fine(law(tables));
+    const std::vector<double> pmf = state.pmf(tables.triples);
+    Array<double> counts(static_cast<Index>(pmf.size()));
+    double more = 0.0;
+    for (std::size_t i = 0; i < pmf.size(); ++i)
+        more += counts[static_cast<Index>(i)] = std::max(pmf[i] - start_[i], 0.0);
+    for (double& count : counts) count *= more > 0.0 ? closed_crushes_ / more : 0.0;
+    open_.emplace(OpenRow{state, counts});
+    closed_ = {};
+    return *open_;
+}
+
+std::vector<double> LawRow::pmf(const ColumnTables& tables) const {
+    return open_ ? open_->law.pmf(tables.triples) : closed_pmf_;
+}
+
+double LawRow::crushes() const {
+    return open_ ? std::accumulate(open_->counts.begin(), open_->counts.end(), 0.0) : closed_crushes_;
+}
+
+double LawRow::pending() const {
+    return open_ ? sum(open_->law.pending().data(), open_->law.pending().size()) : 0.0;
+}
+
+std::function<double(Index, Index, Index)> LawRow::masses(const ColumnTables& tables) const {
+    if (open_) {
+        return [this, &tables](Index b, Index a, Index c) { return open_->law.mass(tables.triples, b, a, c); };
+    }
+    const auto cells = std::make_shared<std::vector<double>>(law(tables).triples());
+    const Index nodes = tables.triples.nodes();
+    return [cells, nodes](Index b, Index a, Index c) { return at(*cells, (b * nodes + a) * nodes + c); };
+}
+
+ResolvedRowRecord LawRow::record(const ColumnTables& tables) const {
+    ResolvedRowRecord record;
+    record.start = start_;
+    record.load = load_.value_or(-1.0);
+    record.has_met = open_.has_value();
+    if (open_) {
+        record.open = open_->law.record(tables.triples);
+        record.counts = open_->counts.vector();
+    } else {
+        record.closed = closed_;
+    }
+    return record;
+}
+
+}  // namespace comminute::detail
