@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "resolved_records.hpp"
 #include "rooms.hpp"
 #include "words.hpp"
 
@@ -101,20 +102,6 @@ std::unique_ptr<Law> from_lattice(const py::object& lattice, std::optional<Resol
     const ResolvedOptions options{choice_of<Mean>(lattice.attr("mean").cast<std::string>()), tolerance,
                                   max_step, threads};
     return std::make_unique<Law>(Resolved::of_triples(*grid, material, triples, options));
-}
-
-py::tuple stored(const TripleRecord& state) {
-    return py::make_tuple(copied(state.settled), copied(state.pending), copied(state.endured), state.level,
-                          state.crushes, state.avalanches);
-}
-
-TripleRecord state_of(const py::tuple& state) {
-    return {state[0].cast<std::vector<double>>(),
-            state[1].cast<std::vector<double>>(),
-            state[2].cast<std::vector<double>>(),
-            state[3].cast<double>(),
-            state[4].cast<double>(),
-            state[5].cast<double>()};
 }
 
 }  // namespace
@@ -287,17 +274,15 @@ ParameterError
                 const ResolvedRecord r = l.with([](const Resolved& law) { return law.record(); });
                 const ResolvedOptions& o = l.fixed().options();
                 return py::make_tuple(l.fixed().grid(), l.fixed().material(), word_of(o.mean), o.tolerance,
-                                      o.max_step, o.threads, stored(r.coarse), stored(r.fine), r.log_load,
-                                      r.hint, r.settled_at, r.nodes, r.crushes_before, r.avalanches_before);
+                                      o.max_step, o.threads, stored(r));
             },
             [](const py::tuple& t) {
                 const ResolvedOptions options{choice_of<Mean>(t[2].cast<std::string>()), t[3].cast<double>(),
                                               t[4].cast<double>(), t[5].cast<Index>()};
-                const ResolvedRecord record{state_of(t[6]),       state_of(t[7]),       t[8].cast<double>(),
-                                            t[9].cast<double>(),  t[10].cast<double>(), t[11].cast<Index>(),
-                                            t[12].cast<double>(), t[13].cast<double>()};
+                const ResolvedRecord record = resolved_record_of(t[6]);
                 return std::make_unique<Law>(
                     Resolved(t[0].cast<ResolvedGrid>(), t[1].cast<Material>(), record, options));
             }));
     register_resolved_batch(m);
+    register_resolved_column(m);
 }

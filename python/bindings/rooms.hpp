@@ -18,4 +18,5 @@ void register_column_lattice(py::module_& m);    // lattice
 void register_material_points(py::module_& m);   // points
 void register_response_family(py::module_& m);   // points
 void register_resolved_batch(py::module_& m);    // resolved
+void register_resolved_column(py::module_& m);   // columns
 void register_resolved_grid(py::module_& m);     // resolved

@@ -38,6 +38,16 @@ struct Words<comminute::Partners> {
 };
 
 template <>
+struct Words<comminute::ColumnEnd> {
+    static constexpr const char* parameter = "end";
+    static constexpr std::array<std::pair<const char*, comminute::ColumnEnd>, 4> list{
+        {{"closed", comminute::ColumnEnd::closed},
+         {"periodic", comminute::ColumnEnd::periodic},
+         {"feed", comminute::ColumnEnd::feed},
+         {"outflow", comminute::ColumnEnd::outflow}}};
+};
+
+template <>
 struct Words<comminute::CrushOrder> {
     static constexpr const char* parameter = "order";
     static constexpr std::array<std::pair<const char*, comminute::CrushOrder>, 2> list{

@@ -72,8 +72,10 @@ from comminute._core import (
     uniform_size,
 )
 from comminute.closures import ClosureComparison, compare_closures
-from comminute.columns.drive import ShearMixing
+from comminute.columns.column import Column
+from comminute.columns.drive import Feed, ShearMixing
 from comminute.columns.lattice import ColumnLattice
+from comminute.columns.lattice_result import ColumnLatticeResult
 from comminute.columns.result import ColumnResult
 from comminute.files.storage import EditedFileWarning
 from comminute.files.tables import Table
@@ -114,13 +116,16 @@ __all__ = [
     "Atom",
     "Breakage",
     "ClosureComparison",
+    "Column",
     "ColumnLattice",
+    "ColumnLatticeResult",
     "ColumnResult",
     "Comparison",
     "CompressionFit",
     "CrushZones",
     "EditedFileWarning",
     "Fabric",
+    "Feed",
     "FitProblem",
     "FitResult",
     "FitWarning",

@@ -522,6 +522,48 @@ class _ColumnLattice:
     def crushes(self, row: int) -> npt.NDArray[np.uint32]: ...
     def mean_crushes(self, row: int) -> float: ...
 
+class _ResolvedColumnOptions:
+    def __init__(
+        self,
+        mean: _Mean,
+        partners: Literal["permuted", "shift"],
+        neighbour_length: float,
+        largest_mixing: float,
+        largest_segregation: float,
+        tolerance: float,
+        competition: float,
+        rest: float,
+        threads: int,
+    ) -> None: ...
+
+class _ResolvedColumn:
+    def __init__(
+        self, grid: ResolvedGrid, material: Material, rows: _Floats, height: float, options: _ResolvedColumnOptions
+    ) -> None: ...
+    def load_to(self, stress_ratio: Sequence[float]) -> None: ...
+    def stand_under(self, stress_ratio: Sequence[float]) -> None: ...
+    def advance(
+        self,
+        time: float,
+        shear_rate: Sequence[float],
+        mixing: float,
+        shear_mixing: float,
+        segregation: float,
+        crush_rate: float,
+        bottom: str,
+        top: str,
+        feed: Sequence[float],
+        feed_rate: float,
+    ) -> tuple[int, float, _Floats]: ...
+    def pmf(self, row: int) -> _Floats: ...
+    def triples(self, row: int) -> _Floats: ...
+    def joint(self, row: int, bins: LogGrid) -> _Floats: ...
+    def crushes(self, row: int) -> float: ...
+    def mean_size(self, row: int) -> float: ...
+    def pending(self, row: int) -> float: ...
+
+def _fitting_nodes(gradings: Sequence[Grading], fabric_width: float, edges: Sequence[float]) -> ResolvedGrid: ...
+
 class _MaterialSweep:
     def __init__(
         self,

@@ -92,6 +92,10 @@ COMMINUTE_API std::vector<double> node_pmf(const Grading& grading, const Resolve
 COMMINUTE_API ResolvedGrid fitting_nodes(const Grading& grading, double fabric_width,
                                          const NodeOptions& options = {},
                                          const std::vector<double>& edges = {});
+/// The same for several gradings, as the rows of a column have them.
+COMMINUTE_API ResolvedGrid fitting_nodes(const std::vector<Grading>& gradings, double fabric_width,
+                                         const NodeOptions& options = {},
+                                         const std::vector<double>& edges = {});
 /// The same for cells as they are: their exact sizes, and all others as one support, but for the finest thousandth.
 /// @param psi    log sizes, at least one
 /// @param exact  sizes among them that many cells have, as `LatticeState::points` gives them

@@ -84,6 +84,10 @@ OpenRow& LawRow::opened(const ColumnTables& tables) {
     return *open_;
 }
 
+double LawRow::largest_load(const ColumnTables& tables) const {
+    return open_ ? std::exp(tables.triples.log_stress_ratio(open_->law.level())) : closed_.settled_at;
+}
+
 std::vector<double> LawRow::pmf(const ColumnTables& tables) const {
     return open_ ? open_->law.pmf(tables.triples) : closed_pmf_;
 }

@@ -32,7 +32,8 @@ class LawRow {
     void stand_under(const ColumnTables& tables, double stress_ratio);
     /// The row as it takes part in an exchange, from then on an open law.
     OpenRow& opened(const ColumnTables& tables);
-    bool is_open() const { return open_.has_value(); }
+    /// Largest stress ratio that the row has known.
+    double largest_load(const ColumnTables& tables) const;
 
     std::vector<double> pmf(const ColumnTables& tables) const;
     double crushes() const;

@@ -273,8 +273,10 @@ void Settling::release_beside(Index b, Index a, double theta) {
 }
 
 void Settling::crush_between_pairs() {
+    for (LaneArray& landed : landed_) {  // of the row before too, which may have had more kinds
+        for (const Index from : written_) std::fill_n(landed.data() + from, stride_, 0.0);
+    }
     for (Index kind = 0; kind < used_kinds_; ++kind) {
-        for (const Index from : written_) std::fill_n(at(landed_, kind).data() + from, stride_, 0.0);
         for (Index a = 0; a < nodes_; ++a) {
             for (Index b = 0; b < nodes_; ++b) {
                 if (at(crushing_, kind)[b * stride_ + a] > 0.0)

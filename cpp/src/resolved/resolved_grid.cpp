@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -199,28 +200,42 @@ std::vector<double> node_pmf(const Grading& grading, const ResolvedGrid& grid) {
 
 ResolvedGrid fitting_nodes(const Grading& grading, double fabric_width, const NodeOptions& options,
                            const std::vector<double>& edges) {
-    const double top = std::log(grading.largest());
-    double bottom = top - least_range;
+    return fitting_nodes(std::vector<Grading>{grading}, fabric_width, options, edges);
+}
+
+ResolvedGrid fitting_nodes(const std::vector<Grading>& gradings, double fabric_width,
+                           const NodeOptions& options, const std::vector<double>& edges) {
+    require(!gradings.empty(), "gradings", 0.0, "at least one");
+    double bottom = std::numeric_limits<double>::infinity();
     for (const double edge : edges) {
         require(std::isfinite(edge), "edges", edge, "finite");
         bottom = std::min(bottom, edge);
     }
-    if (const auto* points = std::get_if<PointMasses>(&grading.law)) {
-        std::vector<double> exact;
-        for (const double size : points->size) exact.push_back(std::log(size));
-        bottom = std::min(bottom, exact.front() - below_the_start);
-        return ResolvedGrid::graded(fabric_width, bottom, exact, {}, options, edges);
-    }
+    std::vector<double> exact;
     std::vector<double> ends = edges;
-    double lowest = 0.0;
-    if (const auto* sieves = std::get_if<SieveCurve>(&grading.law)) {
-        for (const double size : sieves->size) ends.push_back(std::log(size));
-        lowest = std::log(sieves->size.front());
-    } else {
-        lowest = std::log(std::max(grading.smallest(), grading.smallest(negligible_tail)));
+    std::vector<Support> supports;
+    for (const Grading& grading : gradings) {
+        const double top = std::log(grading.largest());
+        bottom = std::min(bottom, top - least_range);
+        if (const auto* points = std::get_if<PointMasses>(&grading.law)) {
+            for (const double size : points->size) exact.push_back(std::log(size));
+            bottom = std::min(bottom, std::log(points->size.front()) - below_the_start);
+            continue;
+        }
+        double lowest = 0.0;
+        if (const auto* sieves = std::get_if<SieveCurve>(&grading.law)) {
+            for (const double size : sieves->size) ends.push_back(std::log(size));
+            lowest = std::log(sieves->size.front());
+        } else {
+            lowest = std::log(std::max(grading.smallest(), grading.smallest(negligible_tail)));
+        }
+        bottom =
+            std::min({bottom, lowest - below_the_start, std::log(grading.smallest(1e-3)) - below_the_start});
+        supports.push_back({lowest, top});
     }
-    bottom = std::min({bottom, lowest - below_the_start, std::log(grading.smallest(1e-3)) - below_the_start});
-    return ResolvedGrid::graded(fabric_width, bottom, {}, {{lowest, top}}, options, ends);
+    std::sort(exact.begin(), exact.end());
+    exact.erase(std::unique(exact.begin(), exact.end()), exact.end());
+    return ResolvedGrid::graded(fabric_width, bottom, exact, supports, options, ends);
 }
 
 ResolvedGrid fitting_nodes(VectorView<const double> psi, const std::vector<PointMass>& exact,

@@ -1,1 +1,1 @@
-"""Columns: rows of the stochastic lattice that mix, segregate and crush (Section 8.3)."""
+"""Columns: rows that mix, segregate and crush, of lattice cells or of the law of three (Section 8.3)."""

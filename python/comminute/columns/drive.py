@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from comminute._core import Material
+from comminute._core import Grading, Material
 from comminute.util.errors import parameter_error
 
 Floats = npt.NDArray[np.float64]
@@ -19,7 +19,7 @@ ByRow = Callable[[float], list[float]]
 
 @dataclass(frozen=True)
 class ShearMixing:
-    """Mixing by shear: a diffusivity D = factor * shear rate * (mean size)**2.
+    """Mixing by shear: a diffusivity D = factor * shear rate * (mean size)**2, the size in metres.
 
     Attributes
     ----------
@@ -38,6 +38,34 @@ class ShearMixing:
     def __post_init__(self) -> None:
         if not 0.0 <= self.factor < math.inf:
             raise parameter_error("factor", self.factor, "it must be at least 0 and finite")
+
+
+@dataclass(frozen=True)
+class Feed:
+    """Grains that never run out, beyond an end of a column.
+
+    The row at that end exchanges grains with them as with any row. At a rate, rows of them also push the column on: each
+    is a random mixture that enters when it is full, and a row leaves at the other end, which is an outflow.
+
+    Attributes
+    ----------
+    grading : Grading
+    rate : float
+        In metres of solid a second; 0: nothing moves on.
+
+    Examples
+    --------
+    >>> import comminute as cm
+    >>> cm.Feed(cm.power_law(2.3, 0.05, 2.0), rate=1e-5).rate
+    1e-05
+    """
+
+    grading: Grading
+    rate: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.rate < math.inf:
+            raise parameter_error("rate", self.rate, "it must be at least 0 and finite")
 
 
 def by_row(name: str, given: Given, z: Floats, times: Floats) -> ByRow:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Literal, Self, TypedDict, Unpack, cast
 
@@ -20,8 +19,9 @@ from comminute._core import (
     defaults,
     fitting_grid,
 )
-from comminute.columns.drive import Given, ShearMixing, by_row, stress_ratios
-from comminute.columns.result import ColumnResult
+from comminute.columns.drive import Given, ShearMixing
+from comminute.columns.lattice_result import ColumnLatticeResult
+from comminute.columns.running import drive_of, walk
 from comminute.util.choices import Mean, require_word
 from comminute.util.errors import parameter_error
 from comminute.util.keywords import suggests_keywords
@@ -228,7 +228,7 @@ class ColumnLattice:
         step: float | None = None,
         grid: LogGrid | None = None,
         on_time: Callable[[int], object] | None = None,
-    ) -> ColumnResult:
+    ) -> ColumnLatticeResult:
         """Drive the column through times, on from the state in which it is.
 
         At the first time the loads are raised, before anything is exchanged. Then, step by step: exchange and crush
@@ -247,7 +247,7 @@ class ColumnLattice:
         segregation : float
             k_s, in metres: a grain of size s moves with k_s * shear rate * (s / mean - 1).
         mixing : float or ShearMixing
-            Diffusivity D of the grains over the height, in m2/s; or by shear.
+            Diffusivity D of the grains over the height, in m2/s; or by shear, which takes sizes with a unit.
         crush_rate : float
             k_b, crushes of an active grain in a unit of shear strain; inf: at once.
         step : float, optional
@@ -259,7 +259,7 @@ class ColumnLattice:
 
         Returns
         -------
-        ColumnResult
+        ColumnLatticeResult
 
         Raises
         ------
@@ -269,35 +269,35 @@ class ColumnLattice:
             On Ctrl-C; the column is left between two exchanges, and can go on.
         """
         times = np.asarray(time, dtype=np.float64)
-        if times.ndim != 1 or times.size == 0 or np.any(np.diff(times) <= 0.0) or not np.all(np.isfinite(times)):
-            raise parameter_error("time", subject="time", finding="must rise, from one time at least")
-        if step is not None and not step > 0.0:
-            raise parameter_error("step", step, "it must be greater than 0")
-        loads = stress_ratios(self.material, stress_ratio, stress, self.z, times)
-        shear = by_row("shear_rate", shear_rate, self.z, times)
-        constant, by_shear = (0.0, mixing.factor) if isinstance(mixing, ShearMixing) else (float(mixing), 0.0)
-        raised = self._core.load_to if math.isinf(crush_rate) else self._core.stand_under
+        drive = drive_of(
+            self.material,
+            self.unit,
+            self.z,
+            times,
+            stress_ratio=stress_ratio,
+            stress=stress,
+            shear_rate=shear_rate,
+            segregation=segregation,
+            mixing=mixing,
+            crush_rate=crush_rate,
+            step=step,
+        )
+
+        def advance(duration: float, rates: list[float]) -> int:
+            return self._core.advance(
+                duration, rates, drive.mixing, drive.shear_mixing, drive.segregation, drive.crush_rate
+            )[0]
+
         sizes, crushes, looked, exchanges = [], [], [], []
-        raised(loads(times[0]))
-        for k, now in enumerate(times):
-            count = 0
-            if k > 0:
-                before = times[k - 1]
-                parts = 1 if step is None else max(math.ceil((now - before) / step - 1e-9), 1)
-                for part in range(parts):
-                    begin, end = before + (now - before) * part / parts, before + (now - before) * (part + 1) / parts
-                    rates = shear(0.5 * (begin + end))
-                    report = self._core.advance(end - begin, rates, constant, by_shear, segregation, crush_rate)
-                    count += report[0]
-                    raised(loads(end))
+        for k, (loads, count) in enumerate(walk(self._core, advance, drive, times)):
             sizes.append(self.psi)
             crushes.append([self._core.mean_crushes(row) for row in range(self._rows)])
-            looked.append(loads(now))
+            looked.append(loads)
             exchanges.append(count)
             if on_time is not None:
                 on_time(k)
         found = np.array(sizes)
-        return ColumnResult(
+        return ColumnLatticeResult(
             self.z,
             times,
             np.array(looked),
