@@ -2,7 +2,6 @@
 // Grains of a row that change places with those of another, by the law of three cells (docs/theory/columns.md, section 2).
 #pragma once
 
-#include <cmath>
 #include <vector>
 
 #include "columns/fresh_pairs.hpp"
@@ -35,27 +34,14 @@ class ArrivalRates {
 
     /// (N) share of the grains of each size that stay.
     const double* stays() const { return stays_.data(); }
-    /// Calls visit(node, its distance from the one before) from the sizes that are first to be replaced.
-    template <class Visit>
-    void for_each_size(const Visit& visit) const {
-        const auto nodes = static_cast<Index>(sizes_.size());
-        for (Index k = 0; k < nodes; ++k) {
-            const Index x = lower_ ? nodes - 1 - k : k;
-            const Index before = lower_ ? x + 1 : x - 1;
-            visit(x, k == 0 ? 0.0 : std::abs(at(sizes_, x) - at(sizes_, before)));
-        }
-    }
-    /// What comes to a size in place of the others, whose masses are at `from` and, of all sizes together, at `total`.
-    ArrivalRow row(Index x, double step, const double* from, const double* total) const {
-        return {from, total, step, any_[x], linear_[x], square_[x]};
-    }
+    /// (N) what comes to each size.
+    const ArrivalRow* rows() const { return rows_.data(); }
+    /// (N) sizes as their sums go.
+    const Array<Index>& order() const { return order_; }
 
   private:
-    const std::vector<double>& sizes_;
-    bool lower_;
-    Array<double> any_;
-    Array<double> linear_;
-    Array<double> square_;
+    Array<ArrivalRow> rows_;
+    Array<Index> order_;
     LaneArray stays_;
 };
 
@@ -91,7 +77,8 @@ class Exchange {
   private:
     Index block() const { return nodes_ * stride_; }
     void sum_centres(const TripleState& row);
-    void replace(const ArrivalRates& rates, const TripleState& row, Index b, double step);
+    void add_pending(const TripleState& row, Index b, double* to) const;
+    void replace(const ArrivalRates& rates, const TripleState& row, Index b);
     void replace_left(const ArrivalRates& rates, const double* from, double* to);
     void turn(const double* from, double* to) const;
 
@@ -100,8 +87,7 @@ class Exchange {
     Index stride_;
     LaneArray total_;        // (N, stride) mass of all centres
     LaneArray centre_sums_;  // (3, N, stride)
-    LaneArray left_total_;   // (stride)
-    LaneArray left_sums_;    // (3, stride)
+    LaneArray left_sums_;    // (4, stride)
     LaneArray cells_;        // (N, stride) one centre before
     LaneArray turned_;       // the same, its neighbours exchanged
     LaneArray centre_;       // with a new centre
@@ -115,10 +101,10 @@ class Exchange {
 template <class Visit>
 void Exchange::for_each_centre(const ArrivalRates& rates, const TripleState& row, const Visit& visit) {
     sum_centres(row);
-    rates.for_each_size([&](Index b, double step) {
-        replace(rates, row, b, step);
+    for (const Index b : rates.order()) {
+        replace(rates, row, b);
         visit(b);
-    });
+    }
 }
 
 }  // namespace comminute::detail

@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "columns/fresh_pairs.hpp"
 
+#include "simd/loops.hpp"
+
 namespace comminute::detail {
 
 void FreshPairs::merge(const TripleTables& tables, TripleState& row) {
     const Index nodes = tables.nodes();
     const Index stride = tables.stride();
+    LaneArray half(lanes_up(nodes) * stride);
+    LaneArray turned(half.size());
     const auto join = [&](const std::array<LaneArray, 2>& fresh, LaneArray& old) {
         for (Index b = 0; b < nodes; ++b) {
             const Index block = b * nodes * stride;
             const double* centre = fresh[0].data() + block;
             const double* left = fresh[1].data() + block;
             double* to = old.data() + block;
-            for (Index a = 0; a < nodes; ++a) {
-                for (Index c = 0; c <= a; ++c) {
-                    const double sides = left[a * stride + c] + left[c * stride + a];
-                    const double all = to[a * stride + c] + (centre[a * stride + c] + sides);
-                    to[a * stride + c] = to[c * stride + a] = all;
-                }
-            }
+            // Half of what is symmetric and the whole of what is not, and then all of it with its mirror image, so that
+            // the sum is symmetric to the bit.
+            for (Index k = 0; k < nodes * stride; ++k) half[k] = 0.5 * (to[k] + centre[k]) + left[k];
+            transpose(half.data(), stride, turned.data(), stride, lanes_up(nodes));
+            for (Index k = 0; k < nodes * stride; ++k) to[k] = half[k] + turned[k];
         }
     };
     join(settled, row.settled());

@@ -11,6 +11,7 @@
 #include "base/check.hpp"
 #include "simd/loops.hpp"
 #include "simd/products.hpp"
+#include "simd/transport.hpp"
 
 namespace comminute::detail {
 
@@ -39,6 +40,7 @@ Settling::Settling(const TripleTables& tables, const SettlingRules& rules)
       lost_left_(nodes_ * nodes_ * stride_),
       first_of_pair_(pair_of(nodes_, 0) + 1),
       next_of_pair_(pair_of(nodes_, 0)),
+      lands_beside_(nodes_),
       outcome_(nodes_ * stride_),
       visits_(nodes_),
       weighted_(nodes_),
@@ -52,7 +54,8 @@ Settling::Settling(const TripleTables& tables, const SettlingRules& rules)
         for (LaneArray& of_label : *pairs) of_label.assign(nodes_ * stride_, 0.0);
     }
     for (Cells* cells : {&lost_right_, &landed_, &beside_}) {
-        for (LaneArray& of_kind : *cells) of_kind.assign(nodes_ * nodes_ * stride_, 0.0);
+        // whole squares of packs are read where one is turned
+        for (LaneArray& of_kind : *cells) of_kind.assign((nodes_ * nodes_ + lanes) * stride_, 0.0);
     }
     for (LaneArray& leaves : leaves_) leaves.assign(stride_, 0.0);
     for (LaneArray& moved : moved_) moved.assign(turned_.size(), 0.0);
@@ -144,11 +147,9 @@ void Settling::count_pairs() {
     for (Index label = 0; label < used_kinds_; ++label) at(pairs_, label) = at(waiting_, label);
     for (Index kind = 0; kind < used_kinds_; ++kind) {
         for (Index b = 0; b < nodes_; ++b) {
-            for (Index a = 0; a < nodes_; ++a) {
-                const double* settled = at(settled_, kind) + place(b, a);
-                at(pairs_, at(left_label, kind))[b * stride_ + a] += sum(settled, nodes_);
-                if (kind == new_left) add_scaled(1.0, settled, pairs_[0].data() + b * stride_, nodes_);
-            }
+            const double* settled = at(settled_, kind) + place(b, 0);
+            sum_rows(settled, at(pairs_, at(left_label, kind)).data() + b * stride_, nodes_, stride_);
+            if (kind == new_left) sum_columns(settled, pairs_[0].data() + b * stride_, nodes_, stride_);
         }
     }
 }
@@ -280,11 +281,12 @@ void Settling::crush_between_pairs() {
         for (Index a = 0; a < nodes_; ++a) {
             for (Index b = 0; b < nodes_; ++b) {
                 if (at(crushing_, kind)[b * stride_ + a] > 0.0)
-                    std::fill_n(at(beside_, kind).data() + place(a, b), stride_, 0.0);
+                    std::fill_n(at(beside_, kind).data() + place(a, b), b + 1, 0.0);
             }
         }
     }
     written_.clear();
+    std::fill(lands_beside_.begin(), lands_beside_.end(), static_cast<unsigned char>(0));
     std::fill(weighted_nodes_.begin(), weighted_nodes_.end(), 0.0);
     std::fill(went_on_.begin(), went_on_.end(), 0.0);
     for (Index a = 0; a < nodes_; ++a) {
@@ -303,6 +305,7 @@ void Settling::crush_between_pairs() {
 // As TripleState::crush_between_pairs has it. A fragment's crushes until it rests: with V the visits of the active nodes,
 // of which a share Q goes on to others, they are V (1 - Q)^-1 by node from which it comes to rest.
 void Settling::crush_between(Index a, Index c, Active* active, Index count) {
+    lands_beside_[a] = lands_beside_[c] = 1;
     written_.push_back(place(a, c));
     if (c != a) written_.push_back(place(c, a));
     const auto land = [&](Index kind, Index left, Index right, double mass, const double* outcome, Index size) {
@@ -399,7 +402,8 @@ void Settling::set_factors(Index a, Index label) {
         double* factor = factor_.data() + columns_.size() * stride_;
         const double* beside = at(beside_, turned).data() + place(a, b);
         const double share = 1.0 / crushing;
-        for (Index i = 0; i < stride_; ++i) factor[i] = beside[i] * share;
+        for (Index i = 0; i <= b; ++i) factor[i] = beside[i] * share;
+        std::fill(factor + b + 1, factor + stride_, 0.0);
         columns_.push_back(b);
     }
 }
@@ -440,7 +444,7 @@ void Settling::replace_sides(const TripleState& row) {
             set_factors(a, 1);
             if (!columns_.empty()) {
                 move(a, new_centre, 1, lost_right_[new_centre], false, right);
-                add_transposed(right.data(), stride_, lanes_up(nodes_));
+                add_mirror(right);
                 settle_moved(row, a, new_centre);
             }
             set_factors(a, 2);
@@ -450,17 +454,13 @@ void Settling::replace_sides(const TripleState& row) {
         set_factors(a, 0);
         if (used_kinds_ == kinds && (moves[2] || !columns_.empty())) {
             move(a, new_left, 0, lost_right_[new_left], false, right);
-            for (Index r = 0; r < nodes_; r += lanes) {
-                for (Index c = 0; c < nodes_; c += lanes)
-                    transpose(moved_[1].data() + r * stride_ + c, stride_, turned_.data() + c * stride_ + r,
-                              stride_);
-            }
+            turn(moved_[1].data(), turned_.data());
             add_scaled(1.0, turned_.data(), right.data(), nodes_ * stride_);
             settle_moved(row, a, new_left);
         }
         if (columns_.empty()) continue;
         move(a, old_pairs, 0, lost_right_[old_pairs], false, right);
-        add_transposed(right.data(), stride_, lanes_up(nodes_));
+        add_mirror(right);
         settle_moved(row, a, old_pairs);
     }
 }
@@ -469,38 +469,42 @@ void Settling::settle_moved(const TripleState& row, Index a, Index kind) {
     const LaneArray& left = at(leaves_, at(left_label, kind));
     const LaneArray& right = at(leaves_, at(right_label, kind));
     const LaneArray& moved = moved_[0];
+    const double* active = row.share().data() + place(a, 0);
+    detail::replace_sides({left.data(), right.data(), active, moved.data()}, at(settled_, kind) + place(a, 0), nodes_,
+                          stride_);
     for (Index z = 0; z < nodes_; ++z) {
-        double* settled = at(settled_, kind) + place(a, z);
         double* pending = at(pending_, kind) + place(a, z);
-        const double* share = row.share().data() + place(a, z);
-        const double* arriving = moved.data() + z * stride_;
         const Reach reach = row.reach(tables_, a, z);
-        const auto rest = [&](Index begin, Index end) {
-            replace_neighbours(left[z], right.data() + begin, arriving + begin, settled + begin, end - begin);
-        };
-        if (reach.empty()) {
-            rest(0, nodes_);
-            continue;
-        }
-        rest(0, reach.first);
         for (Index b = reach.first; b <= reach.last; ++b) {
-            const double stays = 1.0 - (left[z] + right[b]);
-            const double settling = (1.0 - share[b]) * arriving[b];
-            pending[b] = pending[b] * stays + (arriving[b] - settling);
-            settled[b] = settled[b] * stays + settling;
+            const Index k = z * stride_ + b;
+            pending[b] = pending[b] * (1.0 - (left[z] + right[b])) + active[k] * moved[k];
         }
-        rest(reach.last + 1, nodes_);
     }
 }
 
+// The fragments beside each left neighbour, turned to have the right one along a row.
 void Settling::settle_landed() {
     for (Index kind = 0; kind < used_kinds_; ++kind) {
-        for (const Index from : written_) {
-            const double* landed = at(landed_, kind).data() + from;
-            double* settled = at(settled_, kind) + from / stride_ / nodes_ * stride_ + from / stride_ % nodes_;
-            for (Index b = 0; b < nodes_; ++b) settled[b * nodes_ * stride_] += landed[b];
+        for (Index a = 0; a < nodes_; ++a) {
+            if (lands_beside_[a] == 0) continue;
+            turn(at(landed_, kind).data() + place(a, 0), turned_.data());
+            for (Index b = 0; b < nodes_; ++b) {
+                double* settled = at(settled_, kind) + place(b, a);
+                const double* landed = turned_.data() + b * stride_;
+                for (Index c = 0; c < nodes_; ++c) settled[c] += landed[c];
+            }
         }
     }
+}
+
+void Settling::turn(const double* from, double* to) const {
+    transpose(from, stride_, to, stride_, lanes_up(nodes_));
+}
+
+// The sum is symmetric to the bit.
+void Settling::add_mirror(LaneArray& table) {
+    turn(table.data(), turned_.data());
+    add_scaled(1.0, turned_.data(), table.data(), nodes_ * stride_);
 }
 
 }  // namespace comminute::detail

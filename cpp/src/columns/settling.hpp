@@ -71,6 +71,8 @@ class Settling {
     void move(Index a, Index kind, Index label, const LaneArray& lost, bool left, LaneArray& moved);
     void settle_moved(const TripleState& row, Index a, Index kind);
     void settle_landed();
+    void turn(const double* from, double* to) const;
+    void add_mirror(LaneArray& table);
 
     const TripleTables& tables_;
     SettlingRules rules_;
@@ -95,6 +97,7 @@ class Settling {
     std::vector<Active> active_;
     Cells landed_;  // (N, N, stride) [a, c, b'] fragments of the centres between a and c
     std::vector<Index> written_;
+    Array<unsigned char> lands_beside_;  // (N) whether any are beside a
     Cells beside_;       // (N, N, stride) [a, b, b'] by label: fragments b' of the crushed cells b beside a
     LaneArray outcome_;  // (N, stride)
     Array<double> visits_;

@@ -91,10 +91,10 @@ HWY_INLINE void transpose_square(const double* from, Index from_stride, double* 
         for (Index r = 0; r < Side; ++r) hn::StoreU(row[r], d, to + r * to_stride);
     }
 }
-void transpose(const double* from, Index from_stride, double* to, Index to_stride) {
+void transpose(const double* from, Index from_stride, double* to, Index to_stride, Index size) {
     constexpr Index side = width < 4 ? width : 4;
-    for (Index i = 0; i < lanes; i += side) {
-        for (Index j = 0; j < lanes; j += side) {
+    for (Index i = 0; i < size; i += side) {
+        for (Index j = 0; j < size; j += side) {
             transpose_square<side>(from + i * from_stride + j, from_stride, to + j * to_stride + i,
                                    to_stride);
         }
@@ -125,8 +125,8 @@ bool all_finite(const double* values, Index count) {
 void settle_row(Landing landing, double* row, double* fines, Index count) {
     HWY_DYNAMIC_DISPATCH(settle_row)(landing, row, fines, count);
 }
-void transpose(const double* from, Index from_stride, double* to, Index to_stride) {
-    HWY_DYNAMIC_DISPATCH(transpose)(from, from_stride, to, to_stride);
+void transpose(const double* from, Index from_stride, double* to, Index to_stride, Index size) {
+    HWY_DYNAMIC_DISPATCH(transpose)(from, from_stride, to, to_stride, size);
 }
 
 }  // namespace comminute::detail

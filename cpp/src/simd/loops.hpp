@@ -29,8 +29,8 @@ struct Landing {
 /// row[k] += arriving[k] + stays crushing[k], fines[k] += below crushing[k], k < count.
 void settle_row(Landing landing, double* row, double* fines, Index count);
 
-/// to[c, r] = from[r, c] for r, c < `lanes`: a square of a pack each way, its rows to columns.
-void transpose(const double* from, Index from_stride, double* to, Index to_stride);
+/// to[c, r] = from[r, c] for r, c < `size`, a multiple of `lanes`: a square of packs each way, its rows to columns.
+void transpose(const double* from, Index from_stride, double* to, Index to_stride, Index size = lanes);
 
 /// Asks for a piece of memory that will be wanted soon, at an address that no machine foresees.
 inline void fetch(const double* from, Index count) {

@@ -100,12 +100,9 @@ void add_transposed(double* table, Index stride, Index size) {
             double* upper = table + j * stride + i;
             transpose(upper, stride, turned, lanes);  // turned[r, c] = upper[c, r]
             for (Index r = 0; r < lanes; ++r) {
-                for (Index c = 0; c < (i == j ? r + 1 : lanes); ++c) {
-                    const double both = lower[r * stride + c] + turned[r * lanes + c];
-                    lower[r * stride + c] = both;
-                    upper[c * stride + r] = both;
-                }
+                for (Index c = 0; c < lanes; ++c) lower[r * stride + c] += turned[r * lanes + c];
             }
+            if (i != j) transpose(lower, stride, upper, stride);
         }
     }
 }
