@@ -63,7 +63,7 @@ void ResolvedColumn::Work::require_ends(const ColumnEnds& ends) const {
 std::vector<Grains> ResolvedColumn::Work::grains() {
     std::vector<Grains> all;
     for (Index z = 0; z < count(); ++z)
-        all.push_back(grains_of(row(z).pmf(tables), &row(z).opened(tables).counts));
+        all.push_back(grains_of(row(z).pmf(tables), &row(z).law().counts));
     return all;
 }
 
@@ -168,8 +168,8 @@ void ResolvedColumn::Work::sweep(const Driven& driven, double time, Index colour
                 if (bond_of(z) != z || !bond.lower) return;
                 const Index above = z + 1 < count() ? z + 1 : 0;
                 FreshPairs fresh(tables.triples);
-                OpenRow& lower = row(z).opened(tables);
-                OpenRow& upper = row(above).opened(tables);
+                OpenRow& lower = row(z).law();
+                OpenRow& upper = row(above).law();
                 exchange_shifted(tables.triples, tables.sizes, bond.swaps(), tools.exchange, lower.law, tools.fresh,
                                  upper.law, fresh);
                 carry_counts(lower, bond.swaps(), true, *bond.lower, *bond.upper, nullptr);
@@ -186,7 +186,7 @@ void ResolvedColumn::Work::sweep(const Driven& driven, double time, Index colour
                 const bool lower = bond_of(z) == z;
                 const Grains* other = bond.lower ? (lower ? bond.upper : bond.lower) : nullptr;
                 const double again = -std::expm1(-renewal(own, driven, z, time));
-                OpenRow& open = row(z).opened(tables);
+                OpenRow& open = row(z).law();
                 if (!other && again <= 0.0) {
                     tools.settling.run(open, nullptr, hazard(z));
                     return;
@@ -224,7 +224,9 @@ void ResolvedColumn::Work::push(const Driven& driven, ResolvedColumnReport& repo
     for_each_row(
         [&](Index z, Tools& tools) {
             const double load = at(places, z);
-            at_once ? row(z).load_to(tables, load, tools.settling) : row(z).stand_under(tables, load);
+            at_once ? row(z).load_to(tables, load, tools.settling)
+                    : row(z).stand_under(tables, load, tools.settling);
+            row(z).open(tables, tools.settling);
         },
         {});
 }

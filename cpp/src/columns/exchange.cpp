@@ -15,10 +15,8 @@ ArrivalRates::ArrivalRates(const std::vector<double>& sizes, const Arrivals& arr
     for (Index k = 0; k < nodes; ++k) {
         const Index x = arrivals.lower ? nodes - 1 - k : k;
         ArrivalRow& row = rows_[x];
-        if (arrivals.partner) {
-            const double share = arrivals.partner[x];
-            row = {0.0, arrivals.swaps.mixing * share, q * share, 0.5 * q * q * share};
-        }
+        const double share = arrivals.partner ? arrivals.partner[x] : 0.0;
+        row = {0.0, arrivals.swaps.mixing * share, q * share, 0.5 * q * q * share, arrivals.partner && q > 0.0};
         if (k > 0) row.step = std::abs(at(sizes, x) - at(sizes, order_.back()));
         if (arrivals.renewal > 0.0) row.any += arrivals.renewal * arrivals.own[x];
         order_.push_back(x);

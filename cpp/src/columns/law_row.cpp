@@ -39,7 +39,7 @@ LawRow::LawRow(const ColumnTables& tables, const ResolvedRowRecord& record) : st
     }
 }
 
-Resolved LawRow::law(const ColumnTables& tables) const {
+Resolved LawRow::closed_law(const ColumnTables& tables) const {
     return Resolved(tables.triples.grid(), tables.triples.material(), closed_, tables.closed);
 }
 
@@ -53,7 +53,7 @@ void LawRow::load_to(const ColumnTables& tables, double stress_ratio, Settling& 
     load_ = stress_ratio;
     if (!open_) {
         if (stress_ratio <= closed_.settled_at) return;
-        Resolved closed = law(tables);
+        Resolved closed = closed_law(tables);
         closed.load_to(stress_ratio);
         keep(closed);
         return;
@@ -61,27 +61,28 @@ void LawRow::load_to(const ColumnTables& tables, double stress_ratio, Settling& 
     settling.raise(*open_, std::log(stress_ratio), tables.closed.max_step);
 }
 
-void LawRow::stand_under(const ColumnTables& tables, double stress_ratio) {
+void LawRow::stand_under(const ColumnTables& tables, double stress_ratio, Settling& settling) {
     load_ = stress_ratio;
-    TripleState& law = opened(tables).law;
+    open(tables, settling);
+    TripleState& law = open_->law;
     const double level = tables.triples.level(std::log(stress_ratio));
     if (level > law.level()) law.overrun(tables.triples, level);
 }
 
-// Of the closed law it is known how often its grains crushed, and not which; the crushes are given to the sizes of which
-// there is more than at the start.
-OpenRow& LawRow::opened(const ColumnTables& tables) {
-    if (open_) return *open_;
-    const TripleState state = ResolvedAccess::fine(law(tables));
-    const std::vector<double> pmf = state.pmf(tables.triples);
-    Array<double> counts(static_cast<Index>(pmf.size()));
+// The state of the finer steps lags behind its load by the avalanches of one step, which come to their end here; what is
+// extrapolated has counted them. Of the closed law it is known how often its grains crushed, and not which; the crushes are
+// given to the sizes of which there is more than at the start.
+void LawRow::open(const ColumnTables& tables, Settling& settling) {
+    if (open_) return;
+    const Index nodes = tables.triples.nodes();
+    open_.emplace(OpenRow{ResolvedAccess::fine(closed_law(tables)), Array<double>(nodes)});
+    settling.come_to_rest(*open_);
+    const std::vector<double> pmf = open_->law.pmf(tables.triples);
+    Array<double>& counts = open_->counts;
     double more = 0.0;
-    for (std::size_t i = 0; i < pmf.size(); ++i)
-        more += counts[static_cast<Index>(i)] = std::max(pmf[i] - start_[i], 0.0);
+    for (Index i = 0; i < nodes; ++i) more += counts[i] = std::max(at(pmf, i) - at(start_, i), 0.0);
     for (double& count : counts) count *= more > 0.0 ? closed_crushes_ / more : 0.0;
-    open_.emplace(OpenRow{state, counts});
     closed_ = {};
-    return *open_;
 }
 
 double LawRow::largest_load(const ColumnTables& tables) const {
@@ -104,7 +105,7 @@ std::function<double(Index, Index, Index)> LawRow::masses(const ColumnTables& ta
     if (open_) {
         return [this, &tables](Index b, Index a, Index c) { return open_->law.mass(tables.triples, b, a, c); };
     }
-    const auto cells = std::make_shared<std::vector<double>>(law(tables).triples());
+    const auto cells = std::make_shared<std::vector<double>>(closed_law(tables).triples());
     const Index nodes = tables.triples.nodes();
     return [cells, nodes](Index b, Index a, Index c) { return at(*cells, (b * nodes + a) * nodes + c); };
 }

@@ -29,9 +29,10 @@ class LawRow {
     /// Load that stands, or nothing before the first.
     const std::optional<double>& load() const { return load_; }
     void load_to(const ColumnTables& tables, double stress_ratio, Settling& settling);
-    void stand_under(const ColumnTables& tables, double stress_ratio);
-    /// The row as it takes part in an exchange, from then on an open law.
-    OpenRow& opened(const ColumnTables& tables);
+    void stand_under(const ColumnTables& tables, double stress_ratio, Settling& settling);
+    /// Makes the row an open law, as which it takes part in exchanges.
+    void open(const ColumnTables& tables, Settling& settling);
+    OpenRow& law() { return *open_; }
     /// Largest stress ratio that the row has known.
     double largest_load(const ColumnTables& tables) const;
 
@@ -43,7 +44,7 @@ class LawRow {
     ResolvedRowRecord record(const ColumnTables& tables) const;
 
   private:
-    Resolved law(const ColumnTables& tables) const;
+    Resolved closed_law(const ColumnTables& tables) const;
     void keep(const Resolved& law);
 
     ResolvedRecord closed_;           // of a law that is not open

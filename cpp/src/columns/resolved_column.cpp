@@ -115,7 +115,10 @@ bool ResolvedColumn::stand_under(VectorView<const double> stress_ratio, const st
     require_entries(stress_ratio.size(), rows(), entry("stress_ratio"), "it must have one for each row");
     for (Index z = 0; z < rows(); ++z) require_stress_ratio(stress_ratio[z]);
     return work_->for_each_row(
-        [&](Index z, Tools&) { work_->row(z).stand_under(work_->tables, stress_ratio[z]); }, go_on);
+        [&](Index z, Tools& tools) {
+            work_->row(z).stand_under(work_->tables, stress_ratio[z], tools.settling);
+        },
+        go_on);
 }
 
 ResolvedColumnReport ResolvedColumn::advance(double time, const ColumnDrive& drive, const ColumnEnds& ends,
@@ -142,6 +145,8 @@ ResolvedColumnReport ResolvedColumn::advance(double time, const ColumnDrive& dri
     const bool exchanges = drive.mixing > 0.0 || drive.shear_mixing > 0.0 || drive.segregation > 0.0;
     const bool fed = ends.bottom == ColumnEnd::feed || ends.top == ColumnEnd::feed;
     const Work::Driven driven{drive, ends, fed ? w.grains_of(ends.feed, nullptr) : Grains{}};
+    if (exchanges || fed || drive.crush_rate != std::numeric_limits<double>::infinity())
+        w.for_each_row([&](Index z, Tools& tools) { w.row(z).open(w.tables, tools.settling); }, {});
     double left = time;
     while (left > 0.0) {
         if (go_on && !go_on()) break;
@@ -156,7 +161,7 @@ ResolvedColumnReport ResolvedColumn::advance(double time, const ColumnDrive& dri
         } else if (drive.crush_rate != std::numeric_limits<double>::infinity()) {
             w.for_each_row(
                 [&](Index z, Tools& tools) {
-                    tools.settling.run(w.row(z).opened(w.tables), nullptr,
+                    tools.settling.run(w.row(z).law(), nullptr,
                                        drive.crush_rate * drive.shear_rate[z] * part);
                 },
                 {});

@@ -20,6 +20,7 @@ namespace {
 constexpr double negligible_mass = 1e-200;  // of which shares would be rounded to nothing; it stays pending
 constexpr double rival_mass = 1e-100;       // from which on a pending neighbour may be first
 constexpr Index most_steps = 100000;
+constexpr double least_rest = 1e-12;  // pending mass that counts as none
 
 constexpr Index pair_of(Index a, Index c) {
     return a * (a + 1) / 2 + c;  // c <= a
@@ -70,7 +71,7 @@ void Settling::run(OpenRow& row, FreshPairs* fresh, double hazard) {
         settled_ = fresh->settled_of(row.law);
         pending_ = fresh->pending_of(row.law);
     }
-    for (Index steps = 0; hazard > 0.0 && count_pending() > rules_.rest; ++steps) {
+    for (Index steps = 0; hazard > 0.0 && count_pending() > std::max(rules_.rest, least_rest); ++steps) {
         if (steps > most_steps)
             throw ParameterError({.parameter = "rest",
                                   .value = text(rules_.rest),
@@ -82,9 +83,17 @@ void Settling::run(OpenRow& row, FreshPairs* fresh, double hazard) {
     if (fresh) fresh->merge(tables_, row.law);
 }
 
+void Settling::come_to_rest(OpenRow& row) {
+    const double rest = rules_.rest;
+    rules_.rest = 0.0;
+    run(row, nullptr, std::numeric_limits<double>::infinity());
+    rules_.rest = rest;
+}
+
 void Settling::raise(OpenRow& row, double log_load, double max_step) {
     constexpr double least_step = 1e-7;
     TripleState& law = row.law;
+    if (!(tables_.level(log_load) > law.level())) return;
     double reached = tables_.log_stress_ratio(law.level());
     double hint = 0.01;
     while (reached < log_load) {
@@ -186,12 +195,12 @@ void Settling::compete(double theta) {
             for (Index a = 0; a < nodes_; ++a) {
                 const Index from_b = b * stride_ + a;
                 const Index from_a = a * stride_ + b;
-                const double one = at(waiting_, label)[from_b];
-                const double other = at(waiting_, turned)[from_a];
+                const double one = theta * at(waiting_, label)[from_b];
+                const double other = theta * at(waiting_, turned)[from_a];
                 const double most = 2.0 * std::max(one, other) + std::min(one, other);
                 const double mass = std::min(at(pairs_, label)[from_b], at(pairs_, turned)[from_a]);
                 const double limit = most > mass && most > 0.0 ? mass / most : 1.0;
-                const double rival = theta * limit * other;
+                const double rival = limit * other;
                 at(limit_, label)[from_b] = limit;
                 at(sooner_, label)[from_b] =
                     rival > rival_mass ? std::min(0.5 * rival / at(pairs_, label)[from_b], 0.5) : 0.0;

@@ -36,6 +36,8 @@ class Settling {
     /// @param hazard  crushes of a pending cell in that time; inf: until the rest is left
     /// @throws NumericsError where it does not come to an end
     void run(OpenRow& row, FreshPairs* fresh, double hazard);
+    /// Crushes all pending mass but for rounding.
+    void come_to_rest(OpenRow& row);
     /// Raises the load in steps that overrun no more than the tolerance, each followed by a step of crushes.
     void raise(OpenRow& row, double log_load, double max_step);
 

@@ -25,7 +25,7 @@ struct Arrive {
         const auto here = hn::LoadU(d, from + k);
         const auto others = hn::Max(hn::Sub(hn::LoadU(d, total + k), here), hn::Zero(d));
         auto arriving = hn::Mul(hn::Set(d, row.any), others);
-        if (row.linear != 0.0) {
+        if (row.by_size) {
             const auto step = hn::Set(d, row.step);
             const auto mass = hn::LoadU(d, sums.mass + k);
             auto first = hn::LoadU(d, sums.first + k);

@@ -22,6 +22,7 @@ struct ArrivalRow {
     double any;     ///< share of the mass of any other size that it takes
     double linear;  ///< and of that in the sums, for each unit of distance
     double square;  ///< less this, for each unit of its square
+    bool by_size;   ///< whether any size takes a share by distance, so that the sums are wanted
 };
 /// to[k] = any (total - from) + linear first - square second, the sums being moved on by `step` before, and the mass of
 /// this size joining them after. (count)

@@ -73,6 +73,8 @@ class Column:
         end pushes the column on.
     sizes : sequence of float
         Sizes at which curves are wanted, which become ends of bins.
+    grid : ResolvedGrid, optional
+        Sizes that are told apart; left out, they fit the gradings. Finer ones cost the third to fourth power.
     mean : {"arithmetic", "geometric"}
         Mean by which two neighbours make a neighbourhood grainsize.
     partners : {"permuted", "shift"}
@@ -111,6 +113,7 @@ class Column:
         bottom: End | Feed = "closed",
         top: End | Feed = "closed",
         sizes: Sequence[float] = (),
+        grid: ResolvedGrid | None = None,
         **options: Unpack[ColumnOptions],
     ) -> None:
         for name in options:
@@ -134,7 +137,8 @@ class Column:
             raise parameter_error("start", subject="the gradings", finding="have several units", remedy="use_one_unit")
         self.material, self.height, self.unit = material, float(height), units.pop()
         self.mean: Mean = given["mean"]
-        self.grid = _fitting_nodes(gradings, material.fabric_width, [math.log(size) for size in sizes])
+        edges = [math.log(size) for size in sizes]
+        self.grid = grid or _fitting_nodes(gradings, material.fabric_width, edges)
         self._bottom, self._top = ("feed" if isinstance(end, Feed) else end for end in (bottom, top))
         self._feed = self.grid.pmf(fed[0].grading).tolist() if fed else []
         self._feed_rate = fed[0].rate if fed else 0.0
@@ -142,10 +146,9 @@ class Column:
         how = _ResolvedColumnOptions(neighbour_length=neighbour_length, **given)
         start_mass = np.array([self.grid.pmf(grading) for grading in rows])
         self._core = _ResolvedColumn(self.grid, material, start_mass, height, how)
-        even = LogGrid  # of fabrics
         top_psi = float(self.grid.upper[-1])
-        bins = math.ceil((top_psi - float(self.grid.upper[0])) / FABRIC_SPACING) + 1
-        self.fabric_grid = even(top_psi - FABRIC_SPACING * (bins - 1), top_psi, bins)
+        bins = math.ceil((top_psi - float(self.grid.upper[0])) / FABRIC_SPACING) + 2
+        self.fabric_grid = LogGrid(top_psi - FABRIC_SPACING * (bins - 1), top_psi, bins)
 
     def __repr__(self) -> str:
         return f"<Column: {self._rows} rows of {self.grid.nodes} nodes, {self.height:g} m>"
