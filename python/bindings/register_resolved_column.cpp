@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
@@ -19,8 +21,14 @@ using Column = Guarded<ResolvedColumn>;
 ResolvedColumnOptions options_of(const std::string& mean, const std::string& partners,
                                  double neighbour_length, double largest_mixing, double largest_segregation,
                                  double tolerance, double competition, double rest, Index threads) {
-    return {choice_of<Mean>(mean), choice_of<Partners>(partners), neighbour_length, largest_mixing,
-            largest_segregation,   tolerance,                     competition,      rest,
+    return {choice_of<Mean>(mean),
+            choice_of<Partners>(partners),
+            neighbour_length,
+            largest_mixing,
+            largest_segregation,
+            tolerance,
+            competition,
+            rest,
             threads};
 }
 
@@ -127,9 +135,8 @@ void register_resolved_column(py::module_& m) {
             [](Column& self, double time, const std::vector<double>& shear_rate, double mixing,
                double shear_mixing, double segregation, double crush_rate, const std::string& bottom,
                const std::string& top, const std::vector<double>& feed, double feed_rate) {
-                return advanced(
-                    self, time, {shear_rate, mixing, shear_mixing, segregation, crush_rate},
-                    {choice_of<ColumnEnd>(bottom), choice_of<ColumnEnd>(top), feed, feed_rate});
+                return advanced(self, time, {shear_rate, mixing, shear_mixing, segregation, crush_rate},
+                                {choice_of<ColumnEnd>(bottom), choice_of<ColumnEnd>(top), feed, feed_rate});
             },
             py::arg("time"), py::arg("shear_rate"), py::arg("mixing"), py::arg("shear_mixing"),
             py::arg("segregation"), py::arg("crush_rate"), py::arg("bottom"), py::arg("top"), py::arg("feed"),
@@ -154,10 +161,28 @@ void register_resolved_column(py::module_& m) {
         .def("crushes", of_row([](ResolvedColumn& column, Index row) { return column.crushes(row); }))
         .def("mean_size", of_row([](ResolvedColumn& column, Index row) { return column.mean_size(row); }))
         .def("pending", of_row([](ResolvedColumn& column, Index row) { return column.pending(row); }))
+        .def("__eq__",
+             [](Column& self, const py::object& other) -> py::object {
+                 if (!py::isinstance<Column>(other))
+                     return py::reinterpret_borrow<py::object>(Py_NotImplemented);
+                 Column& that = other.cast<Column&>();
+                 const auto of = [](Column& column) {
+                     return column.with([](ResolvedColumn& c) {
+                         ResolvedColumnOptions o = c.options();
+                         o.threads = 1;
+                         return std::tuple(c.record(), c.grid(), c.material(), c.height(), o);
+                     });
+                 };
+                 const auto [record, grid, material, height, o] = of(self);
+                 const auto [r, g, m, h, p] = of(that);
+                 return py::bool_(record == r && grid == g && material == m && height == h &&
+                                  words_of(o).equal(words_of(p)));
+             })
         .def(py::pickle(&state_of, &from_state));
-    m.def("_fitting_nodes",
-          [](const std::vector<Grading>& gradings, double fabric_width, const std::vector<double>& edges) {
-              return fitting_nodes(gradings, fabric_width, {}, edges);
-          },
-          py::arg("gradings"), py::arg("fabric_width"), py::arg("edges"), "Nodes for several gradings.");
+    m.def(
+        "_fitting_nodes",
+        [](const std::vector<Grading>& gradings, double fabric_width, const std::vector<double>& edges) {
+            return fitting_nodes(gradings, fabric_width, {}, edges);
+        },
+        py::arg("gradings"), py::arg("fabric_width"), py::arg("edges"), "Nodes for several gradings.");
 }

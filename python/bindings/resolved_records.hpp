@@ -23,12 +23,7 @@ inline py::tuple stored(const comminute::ResolvedRecord& r) {
 
 inline comminute::ResolvedRecord resolved_record_of(const py::handle& object) {
     const auto state = object.cast<py::tuple>();
-    return {triple_record_of(state[0]),
-            triple_record_of(state[1]),
-            state[2].cast<double>(),
-            state[3].cast<double>(),
-            state[4].cast<double>(),
-            state[5].cast<comminute::Index>(),
-            state[6].cast<double>(),
-            state[7].cast<double>()};
+    return {triple_record_of(state[0]), triple_record_of(state[1]), state[2].cast<double>(),
+            state[3].cast<double>(),    state[4].cast<double>(),    state[5].cast<comminute::Index>(),
+            state[6].cast<double>(),    state[7].cast<double>()};
 }

@@ -1,7 +1,7 @@
 """An exchange between two rows of triples, as a sum over all ways in which cells may be swapped, for a few sizes.
 
-The laws are indexed [b, a, c] for the centre b between a and c. A grain A of the lower row and a grain B of the upper one
-change places with the probability q(A, B); where they are of one size, nothing changes.
+The laws are indexed [b, a, c] for the centre b between a and c. A grain A of the lower row and a grain B of the upper
+one change places with the probability q(A, B); where they are of one size, nothing changes.
 """
 
 from __future__ import annotations

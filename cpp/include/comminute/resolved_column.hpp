@@ -19,17 +19,20 @@ namespace comminute {
 struct ResolvedColumnOptions {
     Mean mean = Mean::arithmetic;
     Partners partners = Partners::permuted;  ///< or shift, for comparison; locked columns have no such law
-    double neighbour_length = 0.0;  ///< [m of solid] >= 0, of which a grain's neighbours are apart; 0: the rows' distance
+    double neighbour_length =
+        0.0;  ///< [m of solid] >= 0, of which a grain's neighbours are apart; 0: the rows' distance
     double largest_mixing =
         0.02;  ///< in (0, 1], of a swap by mixing in one exchange, beyond which it is divided
     double largest_segregation = 0.1;  ///< in (0, 1], the same of segregation
-    double tolerance = 0.02;  ///< > 0, mass that a raise of the load may overrun, or that may crush, in one step
-    double competition = 0.3;  ///< in (0, 1], of the pending mass of new pairs, share whose partner is pending too
-    double rest = 2e-4;        ///< > 0, active mass at which a row counts as at rest
-    Index threads = 1;         ///< >= 1, at most so many rows are worked on at a time
+    double tolerance =
+        0.02;  ///< > 0, mass that a raise of the load may overrun, or that may crush, in one step
+    double competition =
+        0.3;             ///< in (0, 1], of the pending mass of new pairs, share whose partner is pending too
+    double rest = 2e-4;  ///< > 0, active mass at which a row counts as at rest
+    Index threads = 1;   ///< >= 1, at most so many rows are worked on at a time
 };
 
-/// What is beyond the lowest or the highest row.
+/// Surroundings of the lowest or the highest row.
 enum class ColumnEnd : unsigned char {
     closed,    ///< a wall
     periodic,  ///< the other end
@@ -42,7 +45,8 @@ struct ColumnEnds {
     ColumnEnd bottom = ColumnEnd::closed;
     ColumnEnd top = ColumnEnd::closed;
     std::vector<double> feed = {};  ///< (N) shares of the grains fed, by node
-    double feed_rate = 0.0;         ///< >= 0 [m of solid / s], at which rows of them, mixed at random, push the column on
+    double feed_rate =
+        0.0;  ///< >= 0 [m of solid / s], at which rows of them, mixed at random, push the column on
 };
 
 /// Account of an advance of a `ResolvedColumn`.
@@ -60,6 +64,11 @@ struct ResolvedRowRecord {
     std::vector<double> counts;  ///< (N) mass of each node times the crushes of its grains
     double load = 0.0;           ///< that stands; negative before the first
     bool has_met = false;        ///< whether a grain has been exchanged
+
+    friend bool operator==(const ResolvedRowRecord& a, const ResolvedRowRecord& b) {
+        return a.start == b.start && a.closed == b.closed && a.open == b.open && a.counts == b.counts &&
+               a.load == b.load && a.has_met == b.has_met;
+    }
 };
 
 /// All that the future of a column depends on beside its grid, material and options, for storage.
@@ -67,6 +76,10 @@ struct ResolvedColumnRecord {
     std::vector<ResolvedRowRecord> rows;  ///< bottom first
     std::uint64_t sweeps = 0;             ///< exchanges of a colour
     double fed = 0.0;                     ///< [m of solid] towards the next row
+
+    friend bool operator==(const ResolvedColumnRecord& a, const ResolvedColumnRecord& b) {
+        return a.rows == b.rows && a.sweeps == b.sweeps && a.fed == b.fed;
+    }
 };
 
 /// A column of rows that mix, segregate and crush (Section 8.3), each with the law of three adjacent cells: `ColumnLattice`

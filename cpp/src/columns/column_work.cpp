@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Bonds and colours, lengths and ends (docs/theory/columns.md, sections 1 and 5).
 #include "columns/column_work.hpp"
 
 #include <cmath>
@@ -9,11 +10,9 @@
 #include "base/check.hpp"
 #include "columns/shifted_exchange.hpp"
 
-namespace comminute {
+namespace comminute::detail {
 
-using namespace detail;
-
-Grains ResolvedColumn::Work::grains_of(const std::vector<double>& pmf, const Array<double>* counts) const {
+Grains ColumnWork::grains_of(const std::vector<double>& pmf, const Array<double>* counts) const {
     Grains found;
     const double mass = std::accumulate(pmf.begin(), pmf.end(), 0.0);
     found.smallest = std::numeric_limits<double>::infinity();
@@ -28,17 +27,18 @@ Grains ResolvedColumn::Work::grains_of(const std::vector<double>& pmf, const Arr
     return found;
 }
 
-std::vector<double> ResolvedColumn::Work::loads() const {
+std::vector<double> ColumnWork::loads() const {
     std::vector<double> found;
     for (const LawRow& row : rows) found.push_back(row.load().value_or(0.0));
     return found;
 }
 
-void ResolvedColumn::Work::require_ends(const ColumnEnds& ends) const {
+void ColumnWork::require_ends(const ColumnEnds& ends) const {
     const Index nodes = tables.triples.nodes();
     const bool periodic = ends.bottom == ColumnEnd::periodic;
     const auto end = [](bool right, const char* rule) {
-        if (!right) throw ParameterError({.parameter = "ends", .subject = "the ends of a column", .finding = rule});
+        if (!right)
+            throw ParameterError({.parameter = "ends", .subject = "the ends of a column", .finding = rule});
     };
     end(periodic == (ends.top == ColumnEnd::periodic), "are both periodic, or neither");
     end(!periodic || count() % 2 == 0, "are periodic with an even number of rows only");
@@ -49,7 +49,8 @@ void ResolvedColumn::Work::require_ends(const ColumnEnds& ends) const {
     const bool outflow = ends.bottom == ColumnEnd::outflow || ends.top == ColumnEnd::outflow;
     require(ends.feed_rate >= 0.0 && std::isfinite(ends.feed_rate), "feed_rate", ends.feed_rate,
             "at least 0 and finite");
-    end(!outflow || ((below || above) && other == ColumnEnd::outflow), "have an outflow only opposite to a feed");
+    end(!outflow || ((below || above) && other == ColumnEnd::outflow),
+        "have an outflow only opposite to a feed");
     if (!(below || above)) return;
     end(ends.feed_rate == 0.0 || other == ColumnEnd::outflow,
         "need an outflow opposite to a feed that has a rate");
@@ -60,15 +61,13 @@ void ResolvedColumn::Work::require_ends(const ColumnEnds& ends) const {
     end(options.partners == Partners::permuted, "have a feed only where partners are permuted");
 }
 
-std::vector<Grains> ResolvedColumn::Work::grains() {
+std::vector<Grains> ColumnWork::grains() {
     std::vector<Grains> all;
-    for (Index z = 0; z < count(); ++z)
-        all.push_back(grains_of(row(z).pmf(tables), &row(z).law().counts));
+    for (Index z = 0; z < count(); ++z) all.push_back(grains_of(row(z).pmf(tables), &row(z).law().counts));
     return all;
 }
 
-Bond ResolvedColumn::Work::bond(const std::vector<Grains>& all, const Driven& driven, Index lower,
-                                double time) const {
+Bond ColumnWork::bond(const std::vector<Grains>& all, const Driven& driven, Index lower, double time) const {
     const Index last = count() - 1;
     const auto grains = [&](Index z, ColumnEnd end) -> const Grains* {
         if (z >= 0 && z <= last) return &all[static_cast<std::size_t>(z)];
@@ -78,7 +77,9 @@ Bond ResolvedColumn::Work::bond(const std::vector<Grains>& all, const Driven& dr
     Bond found{grains(lower, driven.ends.bottom), grains(lower + 1, driven.ends.top)};
     if (!found.lower || !found.upper) return {};
     const auto shear_of = [&](Index z) {
-        return driven.drive.shear_rate[z > last && driven.ends.top == ColumnEnd::periodic ? 0 : std::clamp<Index>(z, 0, last)];
+        return driven.drive
+            .shear_rate[z > last && driven.ends.top == ColumnEnd::periodic ? 0
+                                                                           : std::clamp<Index>(z, 0, last)];
     };
     const double shear = 0.5 * (shear_of(lower) + shear_of(lower + 1));
     const double mean = 0.5 * (found.lower->mean + found.upper->mean);
@@ -89,28 +90,28 @@ Bond ResolvedColumn::Work::bond(const std::vector<Grains>& all, const Driven& dr
 }
 
 // Bond i, at place i + 1, is that of the rows i and i + 1, for i = -1 to the number of the last row.
-std::vector<Bond> ResolvedColumn::Work::bonds(const std::vector<Grains>& all, const Driven& driven,
-                                              double time) const {
+std::vector<Bond> ColumnWork::bonds(const std::vector<Grains>& all, const Driven& driven, double time) const {
     std::vector<Bond> found;
     for (Index i = -1; i < count(); ++i) found.push_back(bond(all, driven, i, time));
     return found;
 }
 
-// Where rows are further apart than neighbours, a grain meets more new ones than come from the rows above and below.
-double ResolvedColumn::Work::renewal(const Grains& grains, const Driven& driven, Index z, double time) const {
+// A grain whose neighbours are nearer than the rows meets more new ones than come from the rows above and below.
+double ColumnWork::renewal(const Grains& grains, const Driven& driven, Index z, double time) const {
     const double length = neighbour_length();
     if (length >= dz() * (1.0 - 1e-12)) return 0.0;
-    const double diffusivity =
-        driven.drive.mixing + driven.drive.shear_mixing * driven.drive.shear_rate[z] * grains.mean * grains.mean;
+    const double diffusivity = driven.drive.mixing + driven.drive.shear_mixing * driven.drive.shear_rate[z] *
+                                                         grains.mean * grains.mean;
     const auto walled = [](ColumnEnd end) { return end == ColumnEnd::closed || end == ColumnEnd::outflow; };
-    const bool one_bond = (z == 0 && walled(driven.ends.bottom)) || (z == count() - 1 && walled(driven.ends.top));
+    const bool one_bond =
+        (z == 0 && walled(driven.ends.bottom)) || (z == count() - 1 && walled(driven.ends.top));
     const double by_rows = 1.0 / (dz() * dz());
     const double missing = one_bond ? 2.0 / (length * length) - 1.0 / (length * dz()) - by_rows
                                     : 2.0 * (1.0 / (length * length) - by_rows);
     return 0.5 * diffusivity * time * missing;  // in each of the two colours
 }
 
-double ResolvedColumn::Work::divided(const Driven& driven, double time, ResolvedColumnReport& report) {
+double ColumnWork::divided(const Driven& driven, double time, ResolvedColumnReport& report) {
     const std::vector<Grains> all = grains();
     double parts = 1.0;
     for (const Bond& b : bonds(all, driven, time)) {
@@ -119,7 +120,8 @@ double ResolvedColumn::Work::divided(const Driven& driven, double time, Resolved
                           b.largest_segregation() / options.largest_segregation});
     }
     for (Index z = 0; z < count(); ++z)
-        parts = std::max(parts, renewal(all[static_cast<std::size_t>(z)], driven, z, time) / options.largest_mixing);
+        parts = std::max(parts,
+                         renewal(all[static_cast<std::size_t>(z)], driven, z, time) / options.largest_mixing);
     const double part = time / std::ceil(parts * (1.0 - 1e-12));
     for (const Bond& b : bonds(all, driven, part)) {
         if (!b.lower) continue;
@@ -131,11 +133,12 @@ double ResolvedColumn::Work::divided(const Driven& driven, double time, Resolved
 }
 
 // Crushes go with the grains that have been through them, those that change places with others of their size too.
-void ResolvedColumn::Work::carry_counts(OpenRow& open, Swaps swaps, bool lower, const Grains& own,
-                                        const Grains& other, std::vector<double>* inflow) const {
+void ColumnWork::carry_counts(OpenRow& open, Swaps swaps, bool lower, const Grains& own, const Grains& other,
+                              std::vector<double>* inflow) const {
     const Index nodes = tables.triples.nodes();
     const auto swap_of = [&](Index mine, Index theirs) {
-        const double distance = at(tables.sizes, lower ? mine : theirs) - at(tables.sizes, lower ? theirs : mine);
+        const double distance =
+            at(tables.sizes, lower ? mine : theirs) - at(tables.sizes, lower ? theirs : mine);
         const double q = swaps.segregation * std::max(distance, 0.0);
         return swaps.mixing + q * (1.0 - 0.5 * q);
     };
@@ -152,7 +155,7 @@ void ResolvedColumn::Work::carry_counts(OpenRow& open, Swaps swaps, bool lower, 
     }
 }
 
-void ResolvedColumn::Work::sweep(const Driven& driven, double time, Index colour, ResolvedColumnReport& report) {
+void ColumnWork::sweep(const Driven& driven, double time, Index colour, ResolvedColumnReport& report) {
     const std::vector<Grains> all = grains();
     const std::vector<Bond> bonds = this->bonds(all, driven, time);
     const auto bond_of = [&](Index z) { return z % 2 == colour ? z : z - 1; };
@@ -170,8 +173,8 @@ void ResolvedColumn::Work::sweep(const Driven& driven, double time, Index colour
                 FreshPairs fresh(tables.triples);
                 OpenRow& lower = row(z).law();
                 OpenRow& upper = row(above).law();
-                exchange_shifted(tables.triples, tables.sizes, bond.swaps(), tools.exchange, lower.law, tools.fresh,
-                                 upper.law, fresh);
+                exchange_shifted(tables.triples, tables.sizes, bond.swaps(), tools.exchange, lower.law,
+                                 tools.fresh, upper.law, fresh);
                 carry_counts(lower, bond.swaps(), true, *bond.lower, *bond.upper, nullptr);
                 carry_counts(upper, bond.swaps(), false, *bond.upper, *bond.lower, nullptr);
                 tools.settling.run(lower, &tools.fresh, hazard(z));
@@ -191,8 +194,9 @@ void ResolvedColumn::Work::sweep(const Driven& driven, double time, Index colour
                     tools.settling.run(open, nullptr, hazard(z));
                     return;
                 }
-                const ArrivalRates rates(tables.sizes, {bond.swaps(), lower, other ? other->share.data() : nullptr,
-                                                        again, own.share.data()});
+                const ArrivalRates rates(
+                    tables.sizes,
+                    {bond.swaps(), lower, other ? other->share.data() : nullptr, again, own.share.data()});
                 tools.exchange.permuted(rates, open.law, tools.fresh);
                 if (other)
                     carry_counts(open, bond.swaps(), lower, own, *other,
@@ -205,7 +209,7 @@ void ResolvedColumn::Work::sweep(const Driven& driven, double time, Index colour
 }
 
 // A row of the feed is full: it takes its place, every other moves on by one, and the last one leaves.
-void ResolvedColumn::Work::push(const Driven& driven, ResolvedColumnReport& report) {
+void ColumnWork::push(const Driven& driven, ResolvedColumnReport& report) {
     const bool from_top = driven.ends.top == ColumnEnd::feed;
     const std::vector<double> places = loads();
     const std::vector<double> leaving = (from_top ? rows.front() : rows.back()).pmf(tables);
@@ -231,4 +235,4 @@ void ResolvedColumn::Work::push(const Driven& driven, ResolvedColumnReport& repo
         {});
 }
 
-}  // namespace comminute
+}  // namespace comminute::detail

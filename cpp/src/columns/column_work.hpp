@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a ResolvedColumn is made of, and how it goes through a time.
+// The parts of a ResolvedColumn, and its way through a time (docs/theory/columns.md, sections 1 and 5).
 #pragma once
 
 #include <algorithm>
@@ -12,12 +12,10 @@
 
 #include "base/check.hpp"
 #include "base/workers.hpp"
-#include "columns/law_row.hpp"
 #include "columns/exchange.hpp"
+#include "columns/law_row.hpp"
 
-namespace comminute {
-
-namespace detail {
+namespace comminute::detail {
 
 /// Working memory of one thread.
 struct Tools {
@@ -45,24 +43,25 @@ struct Bond {
     double segregation = 0.0;  ///< over the difference of the two sizes
 
     Swaps swaps() const { return {mixing / (1.0 + mixing), segregation}; }
-    double largest_segregation() const { return segregation * std::max(lower->largest - upper->smallest, 0.0); }
+    double largest_segregation() const {
+        return segregation * std::max(lower->largest - upper->smallest, 0.0);
+    }
 };
 
-}  // namespace detail
-
-struct ResolvedColumn::Work {
+/// A column behind its public face.
+struct ColumnWork {
     ResolvedColumnOptions options;
     double height;
-    detail::ColumnTables tables;
-    std::deque<detail::LawRow> rows;
+    ColumnTables tables;
+    std::deque<LawRow> rows;
     std::uint64_t sweeps = 0;
     double fed = 0.0;
-    std::vector<std::unique_ptr<detail::Tools>> idle;  // of threads
+    std::vector<std::unique_ptr<Tools>> idle;  // of threads
     std::mutex lock;                           // of them
 
-    Work(const ResolvedGrid& grid, const Material& material, double h, const ResolvedColumnOptions& o)
+    ColumnWork(const ResolvedGrid& grid, const Material& material, double h, const ResolvedColumnOptions& o)
         : options(o), height(h), tables(grid, material, o) {}
-    Work(const Work& other)
+    ColumnWork(const ColumnWork& other)
         : options(other.options),
           height(other.height),
           tables(other.tables),
@@ -72,17 +71,19 @@ struct ResolvedColumn::Work {
 
     Index count() const { return static_cast<Index>(rows.size()); }
     double dz() const { return height / static_cast<double>(count()); }
-    double neighbour_length() const { return options.neighbour_length > 0.0 ? options.neighbour_length : dz(); }
+    double neighbour_length() const {
+        return options.neighbour_length > 0.0 ? options.neighbour_length : dz();
+    }
 
     /// Calls work(row, tools) for every row, some at a time; whether all were.
     template <class F>
     bool for_each_row(const F& work, const std::function<bool()>& go_on) {
         std::atomic<std::size_t> done = 0;
-        detail::for_each_index(
+        for_each_index(
             rows.size(), static_cast<std::size_t>(options.threads),
             [&](std::size_t z, const std::function<bool()>& ask) {
                 if (!ask()) return;
-                std::unique_ptr<detail::Tools> tools;
+                std::unique_ptr<Tools> tools;
                 {
                     const std::lock_guard guard(lock);
                     if (!idle.empty()) {
@@ -90,7 +91,7 @@ struct ResolvedColumn::Work {
                         idle.pop_back();
                     }
                 }
-                if (!tools) tools = std::make_unique<detail::Tools>(tables);
+                if (!tools) tools = std::make_unique<Tools>(tables);
                 work(static_cast<Index>(z), *tools);
                 const std::lock_guard guard(lock);
                 idle.push_back(std::move(tools));
@@ -101,30 +102,31 @@ struct ResolvedColumn::Work {
     }
     std::vector<double> loads() const;
 
-    detail::LawRow& row(Index z) { return rows[static_cast<std::size_t>(z)]; }
-    const detail::LawRow& row(Index z) const { return rows[static_cast<std::size_t>(z)]; }
-    const detail::LawRow& checked(Index z) const {
-        require(z >= 0 && z < count(), "row", static_cast<double>(z), "0 or more and less than the number of rows");
+    LawRow& row(Index z) { return rows[static_cast<std::size_t>(z)]; }
+    const LawRow& row(Index z) const { return rows[static_cast<std::size_t>(z)]; }
+    const LawRow& checked(Index z) const {
+        require(z >= 0 && z < count(), "row", static_cast<double>(z),
+                "0 or more and less than the number of rows");
         return row(z);
     }
 
-    detail::Grains grains_of(const std::vector<double>& pmf, const detail::Array<double>* counts) const;
+    Grains grains_of(const std::vector<double>& pmf, const Array<double>* counts) const;
 
     struct Driven {
         const ColumnDrive& drive;
         const ColumnEnds& ends;
-        detail::Grains feed;
+        Grains feed;
     };
-    std::vector<detail::Grains> grains();
-    detail::Bond bond(const std::vector<detail::Grains>& all, const Driven& driven, Index lower, double time) const;
-    std::vector<detail::Bond> bonds(const std::vector<detail::Grains>& all, const Driven& driven, double time) const;
-    double renewal(const detail::Grains& grains, const Driven& driven, Index z, double time) const;
+    std::vector<Grains> grains();
+    Bond bond(const std::vector<Grains>& all, const Driven& driven, Index lower, double time) const;
+    std::vector<Bond> bonds(const std::vector<Grains>& all, const Driven& driven, double time) const;
+    double renewal(const Grains& grains, const Driven& driven, Index z, double time) const;
     double divided(const Driven& driven, double time, ResolvedColumnReport& report);
     void sweep(const Driven& driven, double time, Index colour, ResolvedColumnReport& report);
-    void carry_counts(detail::OpenRow& open, detail::Swaps swaps, bool lower, const detail::Grains& own,
-                      const detail::Grains& other, std::vector<double>* inflow) const;
+    void carry_counts(OpenRow& open, Swaps swaps, bool lower, const Grains& own, const Grains& other,
+                      std::vector<double>* inflow) const;
     void push(const Driven& driven, ResolvedColumnReport& report);
     void require_ends(const ColumnEnds& ends) const;
 };
 
-}  // namespace comminute
+}  // namespace comminute::detail

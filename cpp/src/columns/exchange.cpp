@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Exchanges with a partner for every cell (docs/theory/columns.md, section 2).
 #include "columns/exchange.hpp"
 
 #include <algorithm>
@@ -16,7 +17,8 @@ ArrivalRates::ArrivalRates(const std::vector<double>& sizes, const Arrivals& arr
         const Index x = arrivals.lower ? nodes - 1 - k : k;
         ArrivalRow& row = rows_[x];
         const double share = arrivals.partner ? arrivals.partner[x] : 0.0;
-        row = {0.0, arrivals.swaps.mixing * share, q * share, 0.5 * q * q * share, arrivals.partner && q > 0.0};
+        row = {0.0, arrivals.swaps.mixing * share, q * share, 0.5 * q * q * share,
+               arrivals.partner && q > 0.0};
         if (k > 0) row.step = std::abs(at(sizes, x) - at(sizes, order_.back()));
         if (arrivals.renewal > 0.0) row.any += arrivals.renewal * arrivals.own[x];
         order_.push_back(x);
@@ -26,7 +28,8 @@ ArrivalRates::ArrivalRates(const std::vector<double>& sizes, const Arrivals& arr
         double leaves = 0.0;
         for (Index x = 0; x < nodes; ++x) {
             if (x != y) leaves += rows_[x].any;
-            const double distance = arrivals.lower ? at(sizes, y) - at(sizes, x) : at(sizes, x) - at(sizes, y);
+            const double distance =
+                arrivals.lower ? at(sizes, y) - at(sizes, x) : at(sizes, x) - at(sizes, y);
             if (distance > 0.0) leaves += distance * (rows_[x].linear - rows_[x].square * distance);
         }
         stays_[y] = 1.0 - leaves;

@@ -14,11 +14,12 @@ namespace comminute::detail {
 
 /// Probability that a grain of a row changes places with one of the row above.
 struct Swaps {
-    double mixing = 0.0;       ///< whatever their sizes
-    double segregation = 0.0;  ///< Q for a unit of size by which the lower grain is the larger; adds Q - Q^2 / 2
+    double mixing = 0.0;  ///< whatever their sizes
+    double segregation =
+        0.0;  ///< Q for a unit of size by which the lower grain is the larger; adds Q - Q^2 / 2
 };
 
-/// What may come to a row in one exchange.
+/// Grains that may come to a row in one exchange.
 struct Arrivals {
     Swaps swaps;
     bool lower = true;                ///< whether the row is the lower one of its bond
@@ -34,7 +35,7 @@ class ArrivalRates {
 
     /// (N) share of the grains of each size that stay.
     const double* stays() const { return stays_.data(); }
-    /// (N) what comes to each size.
+    /// (N) arrivals of each size.
     const ArrivalRow* rows() const { return rows_.data(); }
     /// (N) sizes as their sums go.
     const Array<Index>& order() const { return order_; }
@@ -70,8 +71,8 @@ class Exchange {
         const double* all;
     };
     Newcomers newcomers() const {
-        return {cells_.data(), centre_.data(), left_.data(), both_.data(), both_turned_.data(),
-                sides_.data(), all_.data()};
+        return {cells_.data(),       centre_.data(), left_.data(), both_.data(),
+                both_turned_.data(), sides_.data(),  all_.data()};
     }
 
   private:

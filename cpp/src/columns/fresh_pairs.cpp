@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Merging of new pairs with old ones (docs/theory/columns.md, section 3).
 #include "columns/fresh_pairs.hpp"
 
 #include "simd/loops.hpp"

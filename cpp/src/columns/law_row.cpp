@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Closed rows, open rows and their loads (docs/theory/columns.md, section 4).
 #include "columns/law_row.hpp"
 
 #include <algorithm>
@@ -40,7 +41,7 @@ LawRow::LawRow(const ColumnTables& tables, const ResolvedRowRecord& record) : st
 }
 
 Resolved LawRow::closed_law(const ColumnTables& tables) const {
-    return Resolved(tables.triples.grid(), tables.triples.material(), closed_, tables.closed);
+    return {tables.triples.grid(), tables.triples.material(), closed_, tables.closed};
 }
 
 void LawRow::keep(const Resolved& law) {
@@ -103,7 +104,8 @@ double LawRow::pending() const {
 
 std::function<double(Index, Index, Index)> LawRow::masses(const ColumnTables& tables) const {
     if (open_) {
-        return [this, &tables](Index b, Index a, Index c) { return open_->law.mass(tables.triples, b, a, c); };
+        return
+            [this, &tables](Index b, Index a, Index c) { return open_->law.mass(tables.triples, b, a, c); };
     }
     const auto cells = std::make_shared<std::vector<double>>(closed_law(tables).triples());
     const Index nodes = tables.triples.nodes();

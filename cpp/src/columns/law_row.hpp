@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A row of a column: a closed packing until it first exchanges a grain, an open law from then on.
+// A row of a column: a closed packing until it first exchanges a grain, an open law from then on
+// (docs/theory/columns.md, section 4).
 #pragma once
 
 #include <optional>
@@ -15,7 +16,7 @@ struct ColumnTables {
     ColumnTables(const ResolvedGrid& grid, const Material& material, const ResolvedColumnOptions& options);
 
     TripleTables triples;
-    ResolvedOptions closed;     ///< of a row that has exchanged nothing
+    ResolvedOptions closed;  ///< of a row that has exchanged nothing
     SettlingRules rules;
     std::vector<double> sizes;  ///< (N) mean size of each node
 };

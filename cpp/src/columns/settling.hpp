@@ -13,7 +13,7 @@
 
 namespace comminute::detail {
 
-/// What bounds the crushes of one step, as shares of the row's mass.
+/// Bounds of the crushes of one step, as shares of the row's mass.
 struct SettlingRules {
     double tolerance;    ///< mass that crushes in one step, and mass of adjacent cells that both would
     double competition;  ///< share of the pending mass of new pairs whose partner is pending too
@@ -57,6 +57,9 @@ class Settling {
         /// Mass that crushes between a and c: old pairs and new centres, in one of the two directions; a the new one, c it.
         std::array<double, 4> crushes;
     };
+    static constexpr Index pair_of(Index a, Index c) {
+        return a * (a + 1) / 2 + c;  // c <= a
+    }
     Index place(Index b, Index a) const { return (b * nodes_ + a) * stride_; }
     double step(OpenRow& row, double hazard);
     double count_pending();
@@ -86,13 +89,13 @@ class Settling {
     std::array<double*, kinds> pending_{};
 
     Pairs pairs_;
-    Pairs waiting_;     // pending mass of them
-    Pairs limit_;       // share of it that may crush at once
-    Pairs sooner_;      // probability that the neighbour crushes before the centre
+    Pairs waiting_;  // pending mass of them
+    Pairs limit_;    // share of it that may crush at once
+    Pairs sooner_;   // probability that the neighbour crushes before the centre
     Pairs crushing_;
-    Pairs lost_;        // released mass of centres whose neighbour crushed first
-    Pairs lost_either_; // and whose other neighbour did
-    LaneArray lost_left_;   // (N, N, stride) of the last kind, at the neighbour that crushed first
+    Pairs lost_;           // released mass of centres whose neighbour crushed first
+    Pairs lost_either_;    // and whose other neighbour did
+    LaneArray lost_left_;  // (N, N, stride) of the last kind, at the neighbour that crushed first
     Cells lost_right_;
     Array<Index> first_of_pair_;  // (pairs + 1)
     Array<Index> next_of_pair_;

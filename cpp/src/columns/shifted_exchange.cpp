@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Exchanges of rows that are shifted past each other (docs/theory/columns.md, section 2).
 #include "columns/shifted_exchange.hpp"
 
 #include <algorithm>
@@ -35,12 +36,12 @@ class SwappedLaw {
     Index at(Index b, Index a, Index c) const { return (b * nodes_ + a) * stride_ + c; }
     Index at(Index i, Index j) const { return i * stride_ + j; }
 
-    LaneArray none, B, L, BL, LR, BLR;                     // (N, N, stride)
-    Array<double> centres;                                 // (N) sizes
-    LaneArray pairs, sides;                                // (N, stride) [b, a] and [a, c]
-    Array<double> B_only, L_only;                          // (N) summed over all other cells
-    LaneArray B_pairs, L_pairs, BL_pairs;                  // (N, stride) [b, a], summed over c
-    LaneArray L_sides, LR_sides;                           // (N, stride) [a, c], summed over b
+    LaneArray none, B, L, BL, LR, BLR;     // (N, N, stride)
+    Array<double> centres;                 // (N) sizes
+    LaneArray pairs, sides;                // (N, stride) [b, a] and [a, c]
+    Array<double> B_only, L_only;          // (N) summed over all other cells
+    LaneArray B_pairs, L_pairs, BL_pairs;  // (N, stride) [b, a], summed over c
+    LaneArray L_sides, LR_sides;           // (N, stride) [a, c], summed over b
 
   private:
     void sum_over_cells() {
@@ -121,7 +122,8 @@ void change(const TripleTables& tables, const SwappedLaw& own, const SwappedLaw&
 void exchange_shifted(const TripleTables& tables, const std::vector<double>& sizes, Swaps swaps,
                       Exchange& exchange, TripleState& lower, FreshPairs& lower_fresh, TripleState& upper,
                       FreshPairs& upper_fresh) {
-    const std::vector<double> any(sizes.size(), 1.0);  // each size with its probability, whatever there is of it
+    const std::vector<double> any(sizes.size(),
+                                  1.0);  // each size with its probability, whatever there is of it
     const SwappedLaw below(tables, ArrivalRates(sizes, {swaps, true, any.data()}), exchange, lower);
     const SwappedLaw above(tables, ArrivalRates(sizes, {swaps, false, any.data()}), exchange, upper);
     change(tables, below, above, lower, lower_fresh);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Exchanges of rows that are shifted past each other (docs/theory/columns.md, section 2).
 #pragma once
 
 #include "columns/exchange.hpp"

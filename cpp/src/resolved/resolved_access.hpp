@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// A way into the closed law for rows that leave it (docs/theory/three_cells.md, section 5).
 #pragma once
 
 #include "comminute/resolved.hpp"

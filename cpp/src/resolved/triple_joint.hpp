@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The paper's fabric of a law of three cells (docs/theory/three_cells.md, section 2).
 #pragma once
 
 #include <functional>

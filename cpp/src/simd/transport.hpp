@@ -16,7 +16,7 @@ struct SizeSums {
     double* first;
     double* second;
 };
-/// What comes to one size in place of the others.
+/// Mass that comes to one size in place of the others.
 struct ArrivalRow {
     double step;    ///< distance in size from the size before it in the sums
     double any;     ///< share of the mass of any other size that it takes
@@ -45,7 +45,8 @@ struct ExchangedCentre {
     const double* both_turned;  ///< with a new centre and right neighbour
     const double* sides;        ///< with two new neighbours
     const double* all;          ///< with three new cells
-    double* settled[3];         ///< (N, stride) old pairs, which are changed, and out: a new centre, a new left neighbour
+    double* settled
+        [3];  ///< (N, stride) old pairs, which are changed, and out: a new centre, a new left neighbour
     double* pending[3];
 };
 void exchange_centre(const ExchangedCentre& centre, Index nodes, Index stride);

@@ -50,15 +50,15 @@ class ColumnOptions(TypedDict, total=False):
 class Column:
     """A column of rows that mix, segregate and crush (Section 8.3), each with the law of three adjacent cells.
 
-    It is `ColumnLattice` with infinitely many cells: free of noise, the same at every run. The transport of the law needs
-    no closure; crushing is closed as by `Resolved`, with pairs of grains that have just met told from old ones. After an
-    exchange active cells crush in random order; while a load rises, the weakest first. Loads do not fall while grains
-    are exchanged. An exchange of the probability q leaves an error of the first order in q.
+    It is `ColumnLattice` with infinitely many cells: free of noise, the same at every run. The transport of the law
+    needs no closure; crushing is closed as by `Resolved`, with pairs of grains that have just met told from old ones.
+    After an exchange active cells crush in random order; while a load rises, the weakest first. Loads do not fall while
+    grains are exchanged. An exchange of the probability q leaves an error of the first order in q.
 
     Parameters
     ----------
     material : Material
-        Of one strength for each size.
+        Every size has one strength.
     start : Grading, or sequence of Grading
         Grading of all rows, or of each, bottom first; each row is a random mixture.
     height : float
@@ -66,11 +66,11 @@ class Column:
     cells : int
         Number of rows, 2 or more.
     neighbour_length : float
-        Distance of a grain's neighbours, in metres of solid, some grains: a length of the material, which says after how
-        much mixing a grain has new neighbours. At most the distance of the rows, height / cells.
+        Distance of a grain's neighbours, in metres of solid, some grains: a length of the material, which says after
+        how much mixing a grain has new neighbours. At most the distance of the rows, height / cells.
     bottom, top : {"closed", "periodic", "outflow"} or Feed
-        What is beyond the ends: a wall, the other end, grains that never run out, or nothing, where a feed at the other
-        end pushes the column on.
+        Surroundings of the ends: a wall, the other end, grains that never run out, or nothing, where a feed at the
+        other end pushes the column on.
     sizes : sequence of float
         Sizes at which curves are wanted, which become ends of bins.
     grid : ResolvedGrid, optional
@@ -149,6 +149,15 @@ class Column:
         top_psi = float(self.grid.upper[-1])
         bins = math.ceil((top_psi - float(self.grid.upper[0])) / FABRIC_SPACING) + 2
         self.fabric_grid = LogGrid(top_psi - FABRIC_SPACING * (bins - 1), top_psi, bins)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal state and equal future; the number of threads does not count."""
+        if not isinstance(other, Column):
+            return NotImplemented
+        ends = [(c.unit, c._bottom, c._top, c._feed, c._feed_rate) for c in (self, other)]
+        return ends[0] == ends[1] and self._core == other._core
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         return f"<Column: {self._rows} rows of {self.grid.nodes} nodes, {self.height:g} m>"

@@ -44,8 +44,8 @@ class ShearMixing:
 class Feed:
     """Grains that never run out, beyond an end of a column.
 
-    The row at that end exchanges grains with them as with any row. At a rate, rows of them also push the column on: each
-    is a random mixture that enters when it is full, and a row leaves at the other end, which is an outflow.
+    The row at that end exchanges grains with them as with any row. At a rate, rows of them also push the column on:
+    each is a random mixture that enters when it is full, and a row leaves at the other end, which is an outflow.
 
     Attributes
     ----------

@@ -92,7 +92,7 @@ class ColumnResult:
     @property
     def cdf(self) -> Floats:
         """(T, Z, N) mass fraction no larger than `edge_size`."""
-        return np.cumsum(self.pmf, axis=2)
+        return np.asarray(np.cumsum(self.pmf, axis=2))
 
     @property
     def fines(self) -> Floats:
@@ -109,7 +109,7 @@ class ColumnResult:
     @property
     def mass_error(self) -> Floats:
         """(T, Z) difference of a row's mass to 1."""
-        return np.abs(self.mass.sum(axis=2) - 1.0)
+        return np.asarray(np.abs(self.mass.sum(axis=2) - 1.0))
 
     def curve(self, k: int = -1, row: int = 0) -> SizeCurve:
         """Grading curve of a row at time k, with its jumps where sizes are exact."""
@@ -174,7 +174,7 @@ class ColumnResult:
         """Equal in every bit."""
         if not isinstance(other, ColumnResult):
             return NotImplemented
-        return same_values(vars(self).values(), vars(other).values())
+        return same_values(_values(self), _values(other))
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -195,3 +195,9 @@ class ColumnResult:
         except ImportError as error:
             raise needs("plot", "matplotlib", "plot") from error
         return plot_column(self.time, self.z, self.percentile(percent), f"D{percent:g}", self.unit)
+
+
+def _values(result: ColumnResult) -> list[object]:
+    """Everything that two results are compared by; fabrics by time."""
+    fields = {name: value for name, value in vars(result).items() if name != "fabrics"}
+    return [*fields.values(), *result.fabrics, *result.fabrics.values()]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -81,7 +82,9 @@ def drive_of(
     constant, by_shear = (0.0, mixing.factor) if isinstance(mixing, ShearMixing) else (float(mixing), 0.0)
     if by_shear > 0.0:
         if not unit:
-            raise parameter_error("mixing", subject="mixing by shear", finding="needs sizes in a unit of length", remedy="name_unit")
+            raise parameter_error(
+                "mixing", subject="mixing by shear", finding="needs sizes in a unit of length", remedy="name_unit"
+            )
         by_shear *= convert(1.0, unit, "m") ** 2
     return Drive(
         stress_ratios(material, stress_ratio, stress, z, times),
@@ -112,11 +115,11 @@ def walk(
     raised = core.load_to if math.isinf(drive.crush_rate) else core.stand_under
     raised(drive.loads(times[0]))
     yield drive.loads(times[0]), 0
-    for before, now in zip(times[:-1].tolist(), times[1:].tolist(), strict=True):
+    for before, now in pairwise(times.tolist()):
         parts = 1 if drive.step is None else max(math.ceil((now - before) / drive.step - 1e-9), 1)
         ends = [before + (now - before) * part / parts for part in range(parts + 1)]
         count = 0
-        for begin, end in zip(ends[:-1], ends[1:], strict=True):
+        for begin, end in pairwise(ends):
             count += advance(end - begin, drive.shear(0.5 * (begin + end)))
             raised(drive.loads(end))
         yield drive.loads(now), count

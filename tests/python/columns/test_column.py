@@ -125,7 +125,7 @@ def test_values_of_another_implementation(
     grid = cm.ResolvedGrid(lower, np.append(lower[1:], 0.0))
     column = equal_rows(rows, grid=grid, partners=partners, largest_mixing=0.5, largest_segregation=0.5)
     loads = np.geomspace(8.0, 1.5, rows)
-    drive = {"mixing": mixing / (1.0 - mixing), "segregation": segregation}
+    drive: dict[str, Any] = {"mixing": mixing / (1.0 - mixing), "segregation": segregation}
     result = column.run(np.arange(21.0), stress_ratio=loads, **drive, fabrics="none")
     for row, wanted in ((0, bottom), (-1, top)):
         atom, finer = result.mass[-1, row, -1], result.mass[-1, row, grid.upper <= -1.0 + 1e-9].sum()
@@ -144,15 +144,17 @@ def test_without_a_fabric_every_row_ends_as_the_most_loaded_one_would() -> None:
         neighbour_length=1.0,
         sizes=edges.tolist(),
         largest_mixing=0.1,
+        tolerance=0.002,
+        rest=1e-6,
     )
     loads = np.exp([1.6, 0.4])
-    result = column.run([0.0, 400.0], stress_ratio=loads, mixing=0.1, fabrics="none")
+    result = column.run([0.0, 160.0], stress_ratio=loads, mixing=0.1, fabrics="none")
     for k, scale in ((0, 1.0 / loads), (1, np.full(2, 1.0 / loads[0]))):
         for row in range(2):
             wanted = np.minimum(result.edge_size / scale[row], 1.0)
-            np.testing.assert_allclose(result.cdf[k, row, 1:], wanted[1:], rtol=0.0, atol=3e-3 if k else 5e-6)
+            np.testing.assert_allclose(result.cdf[k, row, 1:], wanted[1:], rtol=0.0, atol=5e-6)
     np.testing.assert_allclose(result.crushes[0], 1.0 + np.log(loads), rtol=0.0, atol=1e-5)
-    np.testing.assert_allclose(result.crushes[1], 2.6, rtol=0.0, atol=3e-3)
+    np.testing.assert_allclose(result.crushes[1], 2.6, rtol=0.0, atol=1e-4)
 
 
 @pytest.mark.parametrize(("width", "segregation"), [(0.05, 0.0), (0.2, 0.0), (0.05, 0.01)])
@@ -183,7 +185,6 @@ def test_crushes_set_off_by_a_swap_are_the_lattices() -> None:
             cells=2,
             neighbour_length=1.0,
             largest_mixing=0.02,
-            rest=1e-6,
         )
         result = column.run([0.0, 1.0], stress_ratio=8.0, mixing=q / (1.0 - q), fabrics="none")
         rise = result.crushes[1] - result.crushes[0]
@@ -192,65 +193,65 @@ def test_crushes_set_off_by_a_swap_are_the_lattices() -> None:
 
 def test_the_error_of_an_exchange_is_of_first_order() -> None:
     crushes = []
-    for q in (0.2, 0.1, 0.05, 0.025):
+    for q in (0.1, 0.05, 0.025, 0.0125):
         mixing = q / (1.0 - q)
         column = equal_rows(2, largest_mixing=1.0)
-        result = column.run(
-            np.arange(round(0.4 / q) + 1.0), stress_ratio=[8.0, 2.0], mixing=mixing, fabrics="none"
-        )
+        result = column.run(np.arange(round(0.4 / q) + 1.0), stress_ratio=[8.0, 2.0], mixing=mixing, fabrics="none")
         crushes.append(result.crushes[-1].mean() - result.crushes[0].mean())
     steps = np.diff(crushes)
     assert steps[0] / steps[1] == pytest.approx(2.0, abs=0.5)
     assert steps[1] / steps[2] == pytest.approx(2.0, abs=0.5)
 
 
-def test_richardson_and_the_limit_of_a_bond_do_not_change_a_steady_profile() -> None:
-    # steady: phi / (1 - phi)^(1 + a) = exp(K z / D) up to a shift, K = k_s a, a = (L - S) / S
-    large, small, k_s, diffusivity = 1.0, 0.5, 0.02, 0.05
-    grid = cm.ResolvedGrid([-3.0, -1.0, math.log(small), math.log(small), 0.0], [-1.0, math.log(small), math.log(small), 0.0, 0.0])
-    a = (large - small) / small
+def two_sizes(rows: int, height: float, coarse_share: float = 0.5, **options: Any) -> cm.Column:
+    """Rows of grains of the sizes 1 and 0.5, on two bins and the two sizes."""
+    half = math.log(0.5)
+    grid = cm.ResolvedGrid([-3.0, -1.0, half, half, 0.0], [-1.0, half, half, 0.0, 0.0])
+    start = cm.gap_graded(1.0, 0.5, coarse_share)
+    return cm.Column(SHARP, start, height=height, cells=rows, neighbour_length=height / rows, grid=grid, **options)
+
+
+def test_the_steady_profile_of_two_sizes_is_met_to_first_order() -> None:
+    # phi / (1 - phi)^2 = exp(z - z0), z0 from the mean of phi; the velocity is k_s (s / mean - 1)
+    height, rate = 4.0, 0.05
+    phi = np.linspace(1e-9, 1.0 - 1e-9, 400_001)
+    level = np.log(phi) - 2.0 * np.log1p(-phi)
     errors = []
-    for rows in (8, 16):
-        height = 4.0
-        column = cm.Column(
-            SHARP,
-            cm.gap_graded(large, small),
-            height=height,
-            cells=rows,
-            neighbour_length=height / rows,
-            grid=grid,
-            largest_mixing=0.05,
-            largest_segregation=0.05,
-        )
-        result = column.run([0.0, 1500.0], stress_ratio=0.0, mixing=diffusivity, segregation=k_s * 5.0, fabrics="none")
-        phi = result.mass[-1, :, -1]
-        level = np.log(phi) - (1.0 + a) * np.log1p(-phi)
-        slope = k_s * 5.0 * a / diffusivity
-        errors.append(np.abs(np.diff(level) / np.diff(result.z) / slope - 1.0).max())
+    for rows, limit in ((6, 0.08), (12, 0.04), (24, 0.02)):
+        column = two_sizes(rows, height, largest_mixing=limit, largest_segregation=limit)
+        result = column.run([0.0, 250.0], stress_ratio=0.0, mixing=rate, segregation=rate, fabrics="none")
+        z = np.linspace(0.0, height, 4001)
+        lower, upper = -20.0, 20.0
+        for _ in range(60):
+            shift = 0.5 * (lower + upper)
+            wanted = np.interp(z - shift, level, phi)
+            mean = float(np.mean(0.5 * (wanted[1:] + wanted[:-1])))
+            lower, upper = (shift, upper) if mean > 0.5 else (lower, shift)
+        errors.append(np.abs(result.mass[-1, :, -1] - np.interp(result.z, z, wanted)).mean())
     assert errors[1] < 0.6 * errors[0]
-    assert errors[1] < 0.1
+    assert errors[2] < 0.6 * errors[1]
+    assert errors[2] < 0.006
 
 
 def test_large_grains_that_rise_from_a_mixture_leave_a_shock_behind() -> None:
     # homogeneous phi: bottom shock at K (1 - phi) t / (1 + a phi), top shock at 1 - K phi t / (1 + a phi)
     phi, a, k_s, time = 0.5, 1.0, 0.1, 3.0
-    grid = cm.ResolvedGrid([-3.0, -1.0, math.log(0.5), math.log(0.5), 0.0], [-1.0, math.log(0.5), math.log(0.5), 0.0, 0.0])
     speed = k_s * a / (1.0 + a * phi)
     errors = []
     for rows in (20, 40, 80):
-        column = cm.Column(
-            SHARP,
-            cm.gap_graded(1.0, 0.5, phi),
-            height=1.0,
-            cells=rows,
-            neighbour_length=1.0 / rows,
-            grid=grid,
-            largest_segregation=0.25,
-        )
+        column = two_sizes(rows, 1.0, phi, largest_segregation=0.25)
         result = column.run([0.0, time], stress_ratio=0.0, segregation=k_s, fabrics="none")
         edges = np.linspace(0.0, 1.0, rows + 1)
-        wanted = np.diff(np.interp(edges, [0.0, speed * (1 - phi) * time, 1.0 - speed * phi * time, 1.0],
-                                   np.cumsum([0.0, 0.0, phi * (1.0 - speed * time), speed * phi * time]))) * rows
+        wanted = (
+            np.diff(
+                np.interp(
+                    edges,
+                    [0.0, speed * (1 - phi) * time, 1.0 - speed * phi * time, 1.0],
+                    np.cumsum([0.0, 0.0, phi * (1.0 - speed * time), speed * phi * time]),
+                )
+            )
+            * rows
+        )
         errors.append(np.abs(result.mass[-1, :, -1] - wanted).mean())
     assert errors[1] < 0.75 * errors[0]
     assert errors[2] < 0.75 * errors[1]
@@ -285,7 +286,7 @@ def test_what_is_fed_moves_the_rows_on_and_is_accounted_for() -> None:
     )
     result = column.run([0.0, 2.0, 3.0, 6.0], stress_ratio=0.0, fabrics="none")
     held = column.grid.pmf(fine)
-    assert [int(round(total)) for total in result.mass @ held @ np.ones(4)] == [0, 1, 1, 3]
+    assert [round(total) for total in result.mass @ held @ np.ones(4)] == [0, 1, 1, 3]
     np.testing.assert_array_equal(result.mass[1, 3], held)
     solid = result.mass.sum(axis=1)  # rows are a metre each
     np.testing.assert_allclose(solid[1:] - solid[:-1], result.inflow[1:], rtol=0.0, atol=1e-13)
@@ -312,17 +313,16 @@ def test_the_ends_of_a_periodic_column_are_neighbours() -> None:
 
 
 def test_a_finite_rate_of_crushing_goes_on_with_the_strain() -> None:
-    # equal grains that stand under 1 crush by random sequential adsorption: rho^2 (1 - e^-2 p) / 2 p for a time
+    # equal grains that stand under 1 crush one by one, and spare their neighbours: random sequential adsorption
     column = equal_rows(2)
     times = np.array([0.0, 0.5, 20.0])
     result = column.run(times, stress_ratio=1.0, shear_rate=2.0, crush_rate=0.5, fabrics="none")
     crushed = 1.0 - result.mass[:, 0, -1]
     assert crushed[0] == 0.0
-    # of a triple of intact cells the centre goes at the rate 1: dp/dt = -exp(-t - 2 (1 - e^-t)) on the whole line
-    t = np.linspace(0.0, 0.5, 2001)
-    rate = np.exp(-t - 2.0 * (1.0 - np.exp(-t)))
-    assert crushed[1] == pytest.approx(np.trapezoid(rate, t) if hasattr(np, "trapezoid") else np.trapz(rate, t), abs=3e-3)
-    assert crushed[2] == pytest.approx((1.0 - math.exp(-2.0)) / 2.0, abs=5e-3)
+    # the share of intact triples, whose centres go at the rate 1, is exp(-t - 2 (1 - e^-t))
+    t = (np.arange(2000) + 0.5) / 2000 * 0.5
+    assert crushed[1] == pytest.approx(np.exp(-t - 2.0 * (1.0 - np.exp(-t))).mean() * 0.5, abs=1e-3)
+    assert crushed[2] == pytest.approx((1.0 - math.exp(-2.0)) / 2.0, abs=2e-3)
 
 
 @settings(max_examples=8, deadline=None)
@@ -369,17 +369,14 @@ def test_what_does_not_fit_is_named(options: dict[str, Any], message: str) -> No
 
 def test_other_mistakes_are_named() -> None:
     with pytest.raises(cm.ParameterError, match="strength_scatter"):
-        cm.Column(
-            cm.Material(strength_scatter=True), cm.monodisperse(1.0), height=1.0, cells=2, neighbour_length=0.5
-        )
-    with pytest.raises(TypeError, match="there is no option partner;"):
+        cm.Column(cm.Material(strength_scatter=True), cm.monodisperse(1.0), height=1.0, cells=2, neighbour_length=0.5)
+    with pytest.raises(TypeError, match="has no keyword partner; did you mean partners"):
         cm.Column(SHARP, cm.monodisperse(1.0), height=1.0, neighbour_length=1e-3, partner="shift")  # type: ignore[call-arg]
     column = equal_rows(2, grid=SMALL)
     column.run([0.0], stress_ratio=4.0)
     with pytest.raises(cm.ParameterError, match="it must be at least 4, the largest so far"):
         column.run([0.0, 1.0], stress_ratio=2.0, mixing=0.01)
-    with pytest.raises(cm.ParameterError, match="the fabrics kept are those of the times 0"):
-        column.run([0.0], stress_ratio=4.0).fabric(0, 0)
+    with pytest.raises(cm.ParameterError, match="the fabrics kept are those of the times 1"):
         equal_rows(2, grid=SMALL).run([0.0, 1.0], stress_ratio=4.0, fabrics="last").fabric(0, 0)
     with pytest.raises(cm.ParameterError, match="mixing by shear needs sizes in a unit of length"):
         column.run([0.0, 1.0], stress_ratio=4.0, mixing=cm.ShearMixing(0.1))

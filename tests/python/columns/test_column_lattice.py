@@ -290,7 +290,7 @@ def test_threads_and_breaks_change_no_bit() -> None:
     def driven(threads: int) -> cm.ColumnLattice:
         return cm.ColumnLattice(
             cm.Material(fabric_width=0.1),
-            cm.monodisperse(1.0),
+            cm.monodisperse(1.0).with_unit("mm"),
             height=0.02,
             cells=7,
             cells_per_row=3000,
@@ -299,7 +299,7 @@ def test_threads_and_breaks_change_no_bit() -> None:
 
     options: dict[str, Any] = {
         "stress_ratio": lambda z, t: 1.0 + 300.0 * t * (0.02 - z),
-        "mixing": cm.ShearMixing(2e-6),
+        "mixing": cm.ShearMixing(2.0),
         "segregation": 1e-4,
         "step": 0.5,
     }
@@ -327,10 +327,10 @@ def test_probabilities_are_never_cut() -> None:
 def test_shear_mixing_goes_with_the_square_of_the_size() -> None:
     rows, cells, seconds = 31, 3000, 4.0
     spread = []
-    for size in (1.0, 2.0):
+    for size, unit in ((1.0, "m"), (2.0, "m"), (1000.0, "mm")):
         sizes = np.full((rows, cells), size)
         sizes[15] = size * (1.0 + 1e-9)
-        column = cm.ColumnLattice.from_sizes(sizes, cm.Material(), height=1.0, largest_mixing=0.2)
+        column = cm.ColumnLattice.from_sizes(sizes, cm.Material(), height=1.0, unit=unit, largest_mixing=0.2)
         result = column.run(
             time=[0.0, seconds], stress_ratio=0.0, shear_rate=0.5, mixing=cm.ShearMixing(1e-4), step=0.25
         )
@@ -338,10 +338,11 @@ def test_shear_mixing_goes_with_the_square_of_the_size() -> None:
         spread.append(float(tagged @ (result.z - result.z[15]) ** 2))
     assert spread[0] == pytest.approx(2.0 * 1e-4 * 0.5 * seconds, rel=0.15)
     assert spread[1] / spread[0] == pytest.approx(4.0, rel=0.2)
+    assert spread[2] == pytest.approx(spread[0], rel=0.2)
 
 
 def test_loads_as_a_callable_a_table_and_numbers() -> None:
-    def run(stress_ratio: Any) -> cm.ColumnResult:
+    def run(stress_ratio: Any) -> cm.ColumnLatticeResult:
         column = cm.ColumnLattice(cm.Material(), cm.monodisperse(1.0), height=1.0, cells=2, cells_per_row=500)
         return column.run(time=[0.0, 1.0], stress_ratio=stress_ratio, step=0.5)
 

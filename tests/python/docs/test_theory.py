@@ -7,13 +7,14 @@ import pytest
 
 ROOT = Path(__file__).parents[3]
 THEORY = ROOT / "docs" / "theory"
-ANCHORS = {"one_sweep": "sweep", "three_cells": "cells"}
+ANCHORS = {"one_sweep": "sweep", "three_cells": "cells", "columns": "columns"}
 ROOMS = {
     "spreading": "one_sweep",
     "stepping": "one_sweep",
     "sweeping": "one_sweep",
     "zones": "one_sweep",
     "resolved": "three_cells",
+    "columns": "columns",
 }
 SOURCES = sorted(path for room in ROOMS for path in (ROOT / "cpp" / "src" / room).glob("*.[ch]pp"))
 

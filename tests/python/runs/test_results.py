@@ -34,6 +34,7 @@ SWEPT = cm.sweep(
     store=Path(tempfile.mkdtemp()) / "sweep.zarr",
 )
 COLUMN = cm.ColumnLattice(MATERIAL, cm.gap_graded(1.0, 0.2), height=1.0, cells=2, cells_per_row=50)
+LAWS = cm.Column(MATERIAL, cm.monodisperse(1.0), height=1.0, cells=2, neighbour_length=0.5)
 THINGS = [
     GRID,
     MATERIAL,
@@ -92,6 +93,9 @@ THINGS = [
     COLUMN,
     COLUMN.run(time=[0.0, 1.0], stress_ratio=[4.0, 2.0], mixing=0.1),
     cm.ShearMixing(0.1),
+    LAWS,
+    LAWS.run(time=[0.0, 1.0], stress_ratio=[4.0, 2.0], mixing=0.1),
+    cm.Feed(cm.fuller(2.0), 0.1),
     cm.fit_compression([10.0, 30.0], [0.6, 0.4], cm.lognormal(1.0, 0.2), cm.Material(), initial=0.7),
     cm.Zone(1),
 ]
