@@ -18,7 +18,7 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "
     os.environ[variable] = "1"
 
 CASES = ["convolution", "increments", "quasi_static", "growth", "whole_path", "batch", "response", "lattice"]
-CASES += ["resolved", "sweep", "cold_start"]
+CASES += ["resolved", "column", "sweep", "cold_start"]
 
 
 def parsed(arguments: list[str]) -> argparse.Namespace:

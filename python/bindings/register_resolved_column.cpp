@@ -65,7 +65,8 @@ py::tuple state_of(Column& self) {
     py::list rows;
     for (const ResolvedRowRecord& row : record.rows) {
         const py::tuple law = row.has_met ? stored(row.open) : stored(row.closed);
-        rows.append(py::make_tuple(copied(row.start), row.has_met, law, copied(row.counts), row.load));
+        rows.append(
+            py::make_tuple(copied(row.start), row.has_met, law, copied(row.counts), row.load, row.largest));
     }
     return py::make_tuple(grid, material, height, words_of(options), rows, record.sweeps, record.fed);
 }
@@ -84,6 +85,7 @@ std::unique_ptr<Column> from_state(const py::tuple& t) {
         }
         found.counts = vector_of<double>(row[3]);
         found.load = row[4].cast<double>();
+        found.largest = row[5].cast<double>();
         record.rows.push_back(std::move(found));
     }
     record.sweeps = t[5].cast<std::uint64_t>();

@@ -63,11 +63,12 @@ struct ResolvedRowRecord {
     TripleRecord open;           ///< of another
     std::vector<double> counts;  ///< (N) mass of each node times the crushes of its grains
     double load = 0.0;           ///< that stands; negative before the first
+    double largest = 0.0;        ///< of the loads that stood
     bool has_met = false;        ///< whether a grain has been exchanged
 
     friend bool operator==(const ResolvedRowRecord& a, const ResolvedRowRecord& b) {
         return a.start == b.start && a.closed == b.closed && a.open == b.open && a.counts == b.counts &&
-               a.load == b.load && a.has_met == b.has_met;
+               a.load == b.load && a.largest == b.largest && a.has_met == b.has_met;
     }
 };
 

@@ -69,17 +69,16 @@ std::vector<Grains> ColumnWork::grains() {
 
 Bond ColumnWork::bond(const std::vector<Grains>& all, const Driven& driven, Index lower, double time) const {
     const Index last = count() - 1;
+    const bool periodic = driven.ends.bottom == ColumnEnd::periodic;
     const auto grains = [&](Index z, ColumnEnd end) -> const Grains* {
-        if (z >= 0 && z <= last) return &all[static_cast<std::size_t>(z)];
-        if (end == ColumnEnd::feed) return &driven.feed;
-        return end == ColumnEnd::periodic && z > last ? &all.front() : nullptr;
+        if (periodic) return &at(all, (z + count()) % count());
+        if (z >= 0 && z <= last) return &at(all, z);
+        return end == ColumnEnd::feed ? &driven.feed : nullptr;
     };
     Bond found{grains(lower, driven.ends.bottom), grains(lower + 1, driven.ends.top)};
     if (!found.lower || !found.upper) return {};
     const auto shear_of = [&](Index z) {
-        return driven.drive
-            .shear_rate[z > last && driven.ends.top == ColumnEnd::periodic ? 0
-                                                                           : std::clamp<Index>(z, 0, last)];
+        return driven.drive.shear_rate[periodic ? (z + count()) % count() : std::clamp<Index>(z, 0, last)];
     };
     const double shear = 0.5 * (shear_of(lower) + shear_of(lower + 1));
     const double mean = 0.5 * (found.lower->mean + found.upper->mean);
@@ -208,10 +207,28 @@ void ColumnWork::sweep(const Driven& driven, double time, Index colour, Resolved
     ++sweeps;
 }
 
+// The law knows what share of a triple has been tested, and not under which load.
+void ColumnWork::require_no_fall(Index z, Index place, double load) const {
+    const double largest = row(z).largest_load();
+    if (load >= largest) return;
+    throw ParameterError(
+        {.parameter = "stress_ratio",
+         .value = text(load),
+         .number = load,
+         .rule = "it must be at least " + text(largest) +
+                 ", the largest so far of the grains there, while any are exchanged: a law of three "
+                 "cells does not know which of its cells have met a higher load; a lattice does",
+         .place = {entry("stress_ratio", {place})}});
+}
+
 // A row of the feed is full: it takes its place, every other moves on by one, and the last one leaves.
 void ColumnWork::push(const Driven& driven, ResolvedColumnReport& report) {
     const bool from_top = driven.ends.top == ColumnEnd::feed;
     const std::vector<double> places = loads();
+    for (Index z = 0; z < count(); ++z) {
+        const Index from = from_top ? z + 1 : z - 1;
+        if (from >= 0 && from < count()) require_no_fall(from, z, at(places, z));
+    }
     const std::vector<double> leaving = (from_top ? rows.front() : rows.back()).pmf(tables);
     const double solid = dz();
     for (std::size_t i = 0; i < leaving.size(); ++i)

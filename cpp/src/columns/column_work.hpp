@@ -125,6 +125,8 @@ struct ColumnWork {
     void sweep(const Driven& driven, double time, Index colour, ResolvedColumnReport& report);
     void carry_counts(OpenRow& open, Swaps swaps, bool lower, const Grains& own, const Grains& other,
                       std::vector<double>* inflow) const;
+    /// @throws ParameterError for a load at a place that is below the largest that a row coming there has known
+    void require_no_fall(Index z, Index place, double load) const;
     void push(const Driven& driven, ResolvedColumnReport& report);
     void require_ends(const ColumnEnds& ends) const;
 };

@@ -33,6 +33,7 @@ LawRow::LawRow(const ColumnTables& tables, const std::vector<double>& pmf) : sta
 
 LawRow::LawRow(const ColumnTables& tables, const ResolvedRowRecord& record) : start_(record.start) {
     if (record.load >= 0.0) load_ = record.load;
+    largest_ = record.largest;
     if (record.has_met) {
         open_.emplace(OpenRow{TripleState(tables.triples, record.open), Array<double>(record.counts)});
     } else {
@@ -51,7 +52,7 @@ void LawRow::keep(const Resolved& law) {
 }
 
 void LawRow::load_to(const ColumnTables& tables, double stress_ratio, Settling& settling) {
-    load_ = stress_ratio;
+    stand(stress_ratio);
     if (!open_) {
         if (stress_ratio <= closed_.settled_at) return;
         Resolved closed = closed_law(tables);
@@ -63,7 +64,7 @@ void LawRow::load_to(const ColumnTables& tables, double stress_ratio, Settling& 
 }
 
 void LawRow::stand_under(const ColumnTables& tables, double stress_ratio, Settling& settling) {
-    load_ = stress_ratio;
+    stand(stress_ratio);
     open(tables, settling);
     TripleState& law = open_->law;
     const double level = tables.triples.level(std::log(stress_ratio));
@@ -86,8 +87,9 @@ void LawRow::open(const ColumnTables& tables, Settling& settling) {
     closed_ = {};
 }
 
-double LawRow::largest_load(const ColumnTables& tables) const {
-    return open_ ? std::exp(tables.triples.log_stress_ratio(open_->law.level())) : closed_.settled_at;
+void LawRow::stand(double stress_ratio) {
+    load_ = stress_ratio;
+    largest_ = std::max(largest_, stress_ratio);
 }
 
 std::vector<double> LawRow::pmf(const ColumnTables& tables) const {
@@ -116,6 +118,7 @@ ResolvedRowRecord LawRow::record(const ColumnTables& tables) const {
     ResolvedRowRecord record;
     record.start = start_;
     record.load = load_.value_or(-1.0);
+    record.largest = largest_;
     record.has_met = open_.has_value();
     if (open_) {
         record.open = open_->law.record(tables.triples);

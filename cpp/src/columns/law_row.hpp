@@ -35,7 +35,7 @@ class LawRow {
     void open(const ColumnTables& tables, Settling& settling);
     OpenRow& law() { return *open_; }
     /// Largest stress ratio that the row has known.
-    double largest_load(const ColumnTables& tables) const;
+    double largest_load() const { return largest_; }
 
     std::vector<double> pmf(const ColumnTables& tables) const;
     double crushes() const;
@@ -45,6 +45,7 @@ class LawRow {
     ResolvedRowRecord record(const ColumnTables& tables) const;
 
   private:
+    void stand(double stress_ratio);
     Resolved closed_law(const ColumnTables& tables) const;
     void keep(const Resolved& law);
 
@@ -54,6 +55,7 @@ class LawRow {
     double closed_crushes_ = 0.0;
     std::optional<OpenRow> open_;
     std::optional<double> load_;
+    double largest_ = 0.0;  // of the loads that stood
 };
 
 }  // namespace comminute::detail

@@ -137,23 +137,14 @@ ResolvedColumnReport ResolvedColumn::advance(double time, const ColumnDrive& dri
         if (!w.row(z).load())
             throw ParameterError(
                 {.parameter = "stress_ratio", .subject = "the column", .finding = "has no load yet"});
-        const double load = *w.row(z).load();
-        const double largest = w.row(z).largest_load(w.tables);
-        if (load > 0.0 && load < largest * (1.0 - 1e-12))
-            throw ParameterError(
-                {.parameter = "stress_ratio",
-                 .value = text(load),
-                 .number = load,
-                 .rule = "it must be at least " + text(largest) +
-                         ", the largest so far, while grains are exchanged: a law of three cells "
-                         "does not know which of its cells have met a higher load; a lattice does",
-                 .place = {entry("stress_ratio", {z})}});
     }
     const bool exchanges = drive.mixing > 0.0 || drive.shear_mixing > 0.0 || drive.segregation > 0.0;
     const bool fed = ends.bottom == ColumnEnd::feed || ends.top == ColumnEnd::feed;
     const ColumnWork::Driven driven{drive, ends, fed ? w.grains_of(ends.feed, nullptr) : Grains{}};
-    if (exchanges || fed || drive.crush_rate != std::numeric_limits<double>::infinity())
+    if (exchanges || fed || drive.crush_rate != std::numeric_limits<double>::infinity()) {
+        for (Index z = 0; z < rows(); ++z) w.require_no_fall(z, z, *w.row(z).load());
         w.for_each_row([&](Index z, Tools& tools) { w.row(z).open(w.tables, tools.settling); }, {});
+    }
     double left = time;
     while (left > 0.0) {
         if (go_on && !go_on()) break;

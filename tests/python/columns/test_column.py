@@ -310,6 +310,7 @@ def test_the_ends_of_a_periodic_column_are_neighbours() -> None:
     large = result.mass[1, :, -1]
     assert large[1] == pytest.approx(large[3], rel=0.01)
     assert large[2] < large[1]
+    np.testing.assert_allclose(result.mass[1].sum(axis=0), result.mass[0].sum(axis=0), rtol=0.0, atol=1e-14)
 
 
 def test_a_finite_rate_of_crushing_goes_on_with_the_strain() -> None:
@@ -374,8 +375,21 @@ def test_other_mistakes_are_named() -> None:
         cm.Column(SHARP, cm.monodisperse(1.0), height=1.0, neighbour_length=1e-3, partner="shift")  # type: ignore[call-arg]
     column = equal_rows(2, grid=SMALL)
     column.run([0.0], stress_ratio=4.0)
-    with pytest.raises(cm.ParameterError, match="it must be at least 4, the largest so far"):
-        column.run([0.0, 1.0], stress_ratio=2.0, mixing=0.01)
+    for lower in (2.0, 0.0):
+        with pytest.raises(cm.ParameterError, match="must be at least 4, the largest so far of the grains there"):
+            column.run([0.0, 1.0], stress_ratio=lower, mixing=0.01)
+    rising = cm.Column(
+        SHARP,
+        cm.monodisperse(1.0),
+        height=2.0,
+        cells=2,
+        neighbour_length=1.0,
+        grid=SMALL,
+        bottom=cm.Feed(cm.monodisperse(0.35), 1.0),
+        top="outflow",
+    )
+    with pytest.raises(cm.ParameterError, match=r"stress_ratio\[1\] is 2; it must be at least 8"):
+        rising.run([0.0, 2.0], stress_ratio=[8.0, 2.0])
     with pytest.raises(cm.ParameterError, match="the fabrics kept are those of the times 1"):
         equal_rows(2, grid=SMALL).run([0.0, 1.0], stress_ratio=4.0, fabrics="last").fabric(0, 0)
     with pytest.raises(cm.ParameterError, match="mixing by shear needs sizes in a unit of length"):
