@@ -17,7 +17,7 @@ enum class Partners : unsigned char {
 /// Rates that drive a column for a while. Lengths in metres of solid, times in seconds.
 struct ColumnDrive {
     VectorView<const double> shear_rate = {nullptr, 0};  ///< (rows) >= 0, bottom first
-    double mixing = 0.0;        ///< D >= 0, diffusivity of grains over the height [m2/s], and beside it
+    double mixing = 0.0;  ///< D >= 0, diffusivity of grains over the height [m2/s], and beside it
     /// D_0 >= 0: D_0 times the shear rate times the square of the mean size, which is in the material's unit: times the
     /// square of that unit in metres
     double shear_mixing = 0.0;

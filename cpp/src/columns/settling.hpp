@@ -34,7 +34,7 @@ class Settling {
     /// Crushes pending mass, each cell at the same rate, until the rest is left or until a time.
     /// @param fresh   new pairs; null where there are none
     /// @param hazard  crushes of a pending cell in that time; inf: until the rest is left
-    /// @throws NumericsError where it does not come to an end
+    /// @throws ParameterError where it does not come to an end
     void run(OpenRow& row, FreshPairs* fresh, double hazard);
     /// Crushes all pending mass but for rounding.
     void come_to_rest(OpenRow& row);

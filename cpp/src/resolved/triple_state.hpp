@@ -82,9 +82,7 @@ class TripleState {
     /// (N, N, stride) active share of every triple under the load.
     const LaneArray& share() const { return share_; }
     /// Neighbours c of (b; a, c) for which that is not 0.
-    Reach reach(const TripleTables& tables, Index b, Index a) const {
-        return reach_[b * tables.nodes() + a];
-    }
+    Reach reach(const TripleTables& tables, Index b, Index a) const { return reach_[b * tables.nodes() + a]; }
 
     /// Raises the load: what the zone overruns is pending from then on.
     void overrun(const TripleTables& tables, double level);
