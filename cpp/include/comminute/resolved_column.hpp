@@ -92,7 +92,7 @@ struct ResolvedColumnRecord {
 /// in random order after an exchange, the weakest first while a load rises. The derivation stands in
 /// docs/theory/columns.md.
 ///
-/// Memory is 3 N^3 numbers a row and 14 N^3 a thread.
+/// Memory is 3 N^3 numbers a row, 4 before its first exchange, and 14 N^3 a thread.
 ///
 /// @code{.cpp}
 /// const comminute::Material sand;
@@ -118,6 +118,7 @@ class COMMINUTE_API ResolvedColumn {
     ResolvedColumn(const ResolvedGrid& grid, const Material& material, MatrixView<const double> pmf,
                    double height, const ResolvedColumnOptions& options = {});
     /// Goes on, to the same bits, from where `record` was taken.
+    /// @throws ShapeError for a record of another number of nodes
     ResolvedColumn(const ResolvedGrid& grid, const Material& material, const ResolvedColumnRecord& record,
                    double height, const ResolvedColumnOptions& options = {});
     ~ResolvedColumn();
@@ -134,7 +135,7 @@ class COMMINUTE_API ResolvedColumn {
     std::uint64_t sweeps() const;
 
     /// Takes each row to a load of its own, the weakest cell first where that is a raise. A lower load than before leaves
-    /// everything as it is, and is the load of what is exchanged from then on.
+    /// everything as it is; under it nothing may be exchanged.
     /// @param stress_ratio  (rows) >= 0
     /// @param go_on  asked some times a second; if it answers false (or throws) the column stops there
     /// @return       whether it came to the end
@@ -144,8 +145,8 @@ class COMMINUTE_API ResolvedColumn {
     bool stand_under(VectorView<const double> stress_ratio, const std::function<bool()>& go_on = {});
 
     /// Exchanges and crushes for a time, under the loads that stand.
-    /// @throws ShapeError, ParameterError for a time, a drive or ends outside their range, a column of rows that are further
-    ///         apart than neighbours whose partners are shifted, and one without a load
+    /// @throws ShapeError, ParameterError for a time, a drive or ends outside their range, a column without a load, and a
+    ///         load below the largest that a row has known
     ResolvedColumnReport advance(double time, const ColumnDrive& drive, const ColumnEnds& ends = {},
                                  const std::function<bool()>& go_on = {});
 

@@ -118,9 +118,15 @@ double ColumnWork::divided(const Driven& driven, double time, ResolvedColumnRepo
         parts = std::max({parts, b.mixing / options.largest_mixing,
                           b.largest_segregation() / options.largest_segregation});
     }
-    for (Index z = 0; z < count(); ++z)
-        parts = std::max(parts,
-                         renewal(all[static_cast<std::size_t>(z)], driven, z, time) / options.largest_mixing);
+    double most = 0.0;  // of all bonds, whose probabilities are below their Q
+    for (const Bond& b : bonds(all, driven, time)) {
+        if (b.lower) most = std::max(most, b.mixing + b.largest_segregation());
+    }
+    for (Index z = 0; z < count(); ++z) {
+        const double again = renewal(at(all, z), driven, z, time);
+        parts = std::max(
+            {parts, again / options.largest_mixing, most + again});  // no more than all may be replaced
+    }
     const double part = time / std::ceil(parts * (1.0 - 1e-12));
     for (const Bond& b : bonds(all, driven, part)) {
         if (!b.lower) continue;

@@ -9,8 +9,6 @@ namespace comminute::detail {
 void FreshPairs::merge(const TripleTables& tables, TripleState& row) {
     const Index nodes = tables.nodes();
     const Index stride = tables.stride();
-    LaneArray half(lanes_up(nodes) * stride);
-    LaneArray turned(half.size());
     const auto join = [&](const std::array<LaneArray, 2>& fresh, LaneArray& old) {
         for (Index b = 0; b < nodes; ++b) {
             const Index block = b * nodes * stride;
@@ -19,9 +17,9 @@ void FreshPairs::merge(const TripleTables& tables, TripleState& row) {
             double* to = old.data() + block;
             // Half of what is symmetric and the whole of what is not, and then all of it with its mirror image, so that
             // the sum is symmetric to the bit.
-            for (Index k = 0; k < nodes * stride; ++k) half[k] = 0.5 * (to[k] + centre[k]) + left[k];
-            transpose(half.data(), stride, turned.data(), stride, lanes_up(nodes));
-            for (Index k = 0; k < nodes * stride; ++k) to[k] = half[k] + turned[k];
+            for (Index k = 0; k < nodes * stride; ++k) half_[k] = 0.5 * (to[k] + centre[k]) + left[k];
+            transpose(half_.data(), stride, turned_.data(), stride, lanes_up(nodes));
+            for (Index k = 0; k < nodes * stride; ++k) to[k] = half_[k] + turned_[k];
         }
     };
     join(settled, row.settled());

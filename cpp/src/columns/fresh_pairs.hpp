@@ -21,7 +21,10 @@ constexpr Index new_left = 2;
 /// have met just now share no history, so that they are not to be taken for the old pairs of the same sizes.
 struct FreshPairs {
     explicit FreshPairs(const TripleTables& tables)
-        : settled{LaneArray(size(tables)), LaneArray(size(tables))}, pending{settled} {}
+        : settled{LaneArray(size(tables)), LaneArray(size(tables))},
+          pending{settled},
+          half_(lanes_up(tables.nodes()) * tables.stride()),
+          turned_(half_.size()) {}
 
     /// Settled mass of all kinds, the row's own first; the same of pending mass.
     std::array<double*, kinds> settled_of(TripleState& row) {
@@ -40,6 +43,9 @@ struct FreshPairs {
     static Index size(const TripleTables& tables) {
         return tables.nodes() * tables.nodes() * tables.stride();
     }
+
+    LaneArray half_;
+    LaneArray turned_;
 };
 
 }  // namespace comminute::detail

@@ -32,6 +32,17 @@ LawRow::LawRow(const ColumnTables& tables, const std::vector<double>& pmf) : sta
 }
 
 LawRow::LawRow(const ColumnTables& tables, const ResolvedRowRecord& record) : start_(record.start) {
+    const Index nodes = tables.triples.nodes();
+    const auto require_nodes = [&](const std::vector<double>& values, Index wanted) {
+        require_entries(static_cast<Index>(values.size()), wanted, entry("record"),
+                        "the grid has " + std::to_string(nodes) + " nodes");
+    };
+    require_nodes(record.start, nodes);
+    if (record.has_met) {
+        require_nodes(record.counts, nodes);
+        require_nodes(record.open.settled, nodes * nodes * nodes);
+        require_nodes(record.open.pending, nodes * nodes * nodes);
+    }
     if (record.load >= 0.0) load_ = record.load;
     largest_ = record.largest;
     if (record.has_met) {

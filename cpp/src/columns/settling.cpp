@@ -10,14 +10,13 @@
 #include <string>
 
 #include "base/check.hpp"
-#include "simd/loops.hpp"
-#include "simd/products.hpp"
 #include "simd/transport.hpp"
 
 namespace comminute::detail {
 
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double negligible_mass = 1e-200;  // of which shares would be rounded to nothing; it stays pending
 constexpr double rival_mass = 1e-100;       // from which on a pending neighbour may be first
 constexpr Index most_steps = 100000;
@@ -59,20 +58,23 @@ Settling::Settling(const TripleTables& tables, const SettlingRules& rules)
     for (LaneArray& moved : moved_) moved.assign(turned_.size(), 0.0);
 }
 
-void Settling::run(OpenRow& row, FreshPairs* fresh, double hazard) {
+void Settling::take(OpenRow& row, FreshPairs* fresh) {
     used_kinds_ = fresh ? kinds : 1;
     row_ = &row.law;
     settled_ = {row.law.settled().data(), nullptr, nullptr};
     pending_ = {row.law.pending().data(), nullptr, nullptr};
-    if (fresh) {
-        settled_ = fresh->settled_of(row.law);
-        pending_ = fresh->pending_of(row.law);
-    }
-    for (Index steps = 0; hazard > 0.0 && count_pending() > std::max(rules_.rest, least_rest); ++steps) {
+    if (!fresh) return;
+    settled_ = fresh->settled_of(row.law);
+    pending_ = fresh->pending_of(row.law);
+}
+
+void Settling::crush(OpenRow& row, FreshPairs* fresh, double hazard, double rest) {
+    take(row, fresh);
+    for (Index steps = 0; hazard > 0.0 && count_pending() > rest; ++steps) {
         if (steps > most_steps)
             throw ParameterError({.parameter = "rest",
-                                  .value = text(rules_.rest),
-                                  .number = rules_.rest,
+                                  .value = text(rest),
+                                  .number = rest,
                                   .finding = "is not reached in " + std::to_string(most_steps) + " steps",
                                   .rule = "it must be greater"});
         hazard -= step(row, hazard);
@@ -81,10 +83,7 @@ void Settling::run(OpenRow& row, FreshPairs* fresh, double hazard) {
 }
 
 void Settling::come_to_rest(OpenRow& row) {
-    const double rest = rules_.rest;
-    rules_.rest = 0.0;
-    run(row, nullptr, std::numeric_limits<double>::infinity());
-    rules_.rest = rest;
+    crush(row, nullptr, infinity, std::min(least_rest, rules_.rest));
 }
 
 void Settling::raise(OpenRow& row, double log_load, double max_step) {
@@ -104,13 +103,10 @@ void Settling::raise(OpenRow& row, double log_load, double max_step) {
         hint = step * (hardness > 0.0 ? std::clamp(0.9 / hardness, 1.0, 4.0) : 4.0);
         reached = log_load - reached <= step ? log_load : reached + step;
         law.overrun(tables_, tables_.level(reached));
-        used_kinds_ = 1;
-        row_ = &law;
-        settled_[0] = law.settled().data();
-        pending_[0] = law.pending().data();
-        if (count_pending() > 0.0) this->step(row, std::numeric_limits<double>::infinity());
+        take(row, nullptr);
+        if (count_pending() > 0.0) this->step(row, infinity);
     }
-    run(row, nullptr, std::numeric_limits<double>::infinity());
+    run(row, nullptr, infinity);
 }
 
 double Settling::step(OpenRow& row, double hazard) {
@@ -120,9 +116,9 @@ double Settling::step(OpenRow& row, double hazard) {
     release(theta);
     crush_between_pairs();
     count_crushes(row);
-    replace_sides(row.law);
+    replace_neighbours(row.law);
     settle_landed();
-    return theta < 1.0 ? -std::log1p(-theta) : std::numeric_limits<double>::infinity();
+    return theta < 1.0 ? -std::log1p(-theta) : infinity;
 }
 
 // Pending mass of every pair; the sum of all.
@@ -180,7 +176,7 @@ double Settling::released(double hazard) {
     }
     double theta = std::min(1.0, rules_.tolerance / std::max(total, std::sqrt(clash)));
     if (fresh_clash > 0.0) theta = std::min(theta, rules_.competition * fresh / fresh_clash);
-    return hazard < std::numeric_limits<double>::infinity() ? std::min(theta, -std::expm1(-hazard)) : theta;
+    return hazard < infinity ? std::min(theta, -std::expm1(-hazard)) : theta;
 }
 
 // No more of a pair may crush at once than leaves either side half of what it has. Where both cells of a pair are released,

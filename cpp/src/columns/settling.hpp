@@ -35,7 +35,7 @@ class Settling {
     /// @param fresh   new pairs; null where there are none
     /// @param hazard  crushes of a pending cell in that time; inf: until the rest is left
     /// @throws ParameterError where it does not come to an end
-    void run(OpenRow& row, FreshPairs* fresh, double hazard);
+    void run(OpenRow& row, FreshPairs* fresh, double hazard) { crush(row, fresh, hazard, rules_.rest); }
     /// Crushes all pending mass but for rounding.
     void come_to_rest(OpenRow& row);
     /// Raises the load in steps that overrun no more than the tolerance, each followed by a step of crushes.
@@ -61,6 +61,8 @@ class Settling {
         return a * (a + 1) / 2 + c;  // c <= a
     }
     Index place(Index b, Index a) const { return (b * nodes_ + a) * stride_; }
+    void take(OpenRow& row, FreshPairs* fresh);
+    void crush(OpenRow& row, FreshPairs* fresh, double hazard, double rest);
     double step(OpenRow& row, double hazard);
     double count_pending();
     void count_pairs();
@@ -71,7 +73,7 @@ class Settling {
     void crush_between_pairs();
     void crush_between(Index a, Index c, Active* active, Index count);
     void count_crushes(OpenRow& row);
-    void replace_sides(const TripleState& row);
+    void replace_neighbours(const TripleState& row);
     void set_factors(Index a, Index label);
     void move(Index a, Index kind, Index label, const LaneArray& lost, bool left, LaneArray& moved);
     void settle_moved(const TripleState& row, Index a, Index kind);

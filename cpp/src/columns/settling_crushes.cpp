@@ -39,8 +39,8 @@ void Settling::crush_between_pairs() {
     }
 }
 
-// As TripleState::crush_between_pairs has it. A fragment's crushes until it rests: with V the visits of the active nodes,
-// of which a share Q goes on to others, they are V (1 - Q)^-1 by node from which it comes to rest.
+// The chain of crushes is that of TripleState::crush_between_pairs. With V the visits of the active nodes, of which a share
+// Q goes on to others, the crushes until a fragment rests are V (1 - Q)^-1, by the node from which it comes to rest.
 void Settling::crush_between(Index a, Index c, Active* active, Index count) {
     lands_beside_[a] = lands_beside_[c] = 1;
     written_.push_back(place(a, c));
@@ -168,18 +168,11 @@ void Settling::move(Index a, Index kind, Index label, const LaneArray& lost, boo
     multiply_lower({around_.data(), columns_.data(), factor_.data(), terms, stride_}, moved.data(), nodes_);
 }
 
-void Settling::replace_sides(const TripleState& row) {
+// The sides of a centre by kind: what moves by one label is put down before the next label's factors are made.
+void Settling::replace_neighbours(const TripleState& row) {
+    LaneArray& right = moved_[0];
     for (Index a = 0; a < nodes_; ++a) {
-        bool any = false;
-        for (Index label = 0; label < used_kinds_; ++label) {
-            const Index turned = at(dual, label);
-            bool here = false;
-            for (Index b = 1; b < nodes_ && !here; ++b) here = at(crushing_, turned)[b * stride_ + a] > 0.0;
-            any = any || here;
-        }
-        if (!any) continue;
-        std::array<bool, labels> moves{};
-        LaneArray& right = moved_[0];
+        bool from_left = false;
         if (used_kinds_ == kinds) {
             set_factors(a, 1);
             if (!columns_.empty()) {
@@ -188,14 +181,16 @@ void Settling::replace_sides(const TripleState& row) {
                 settle_moved(row, a, new_centre);
             }
             set_factors(a, 2);
-            moves[2] = !columns_.empty();
-            move(a, new_left, 2, lost_left_, true, moved_[1]);
+            from_left = !columns_.empty();
+            if (from_left) {
+                move(a, new_left, 2, lost_left_, true, moved_[1]);
+                turn(moved_[1].data(), turned_.data());
+            }
         }
         set_factors(a, 0);
-        if (used_kinds_ == kinds && (moves[2] || !columns_.empty())) {
+        if (used_kinds_ == kinds && (from_left || !columns_.empty())) {
             move(a, new_left, 0, lost_right_[new_left], false, right);
-            turn(moved_[1].data(), turned_.data());
-            add_scaled(1.0, turned_.data(), right.data(), nodes_ * stride_);
+            if (from_left) add_scaled(1.0, turned_.data(), right.data(), nodes_ * stride_);
             settle_moved(row, a, new_left);
         }
         if (columns_.empty()) continue;
@@ -210,8 +205,8 @@ void Settling::settle_moved(const TripleState& row, Index a, Index kind) {
     const LaneArray& right = at(leaves_, at(right_label, kind));
     const LaneArray& moved = moved_[0];
     const double* active = row.share().data() + place(a, 0);
-    detail::replace_sides({left.data(), right.data(), active, moved.data()}, at(settled_, kind) + place(a, 0),
-                          nodes_, stride_);
+    replace_sides({left.data(), right.data(), active, moved.data()}, at(settled_, kind) + place(a, 0), nodes_,
+                  stride_);
     for (Index z = 0; z < nodes_; ++z) {
         double* pending = at(pending_, kind) + place(a, z);
         const Reach reach = row.reach(tables_, a, z);

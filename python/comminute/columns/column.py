@@ -137,6 +137,10 @@ class Column:
             raise parameter_error("start", subject="the gradings", finding="have several units", remedy="use_one_unit")
         self.material, self.height, self.unit = material, float(height), units.pop()
         self.mean: Mean = given["mean"]
+        if grid is not None and len(sizes) > 0:
+            raise parameter_error(
+                "sizes", subject="sizes", finding="are ends of bins that are made; give them or a grid"
+            )
         edges = [math.log(size) for size in sizes]
         self.grid = grid or _fitting_nodes(gradings, material.fabric_width, edges)
         self._bottom, self._top = ("feed" if isinstance(end, Feed) else end for end in (bottom, top))

@@ -5,25 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from comminute._core import Fabric, Lattice, LogGrid, Material
+from comminute.columns.profiles import Profiles
 from comminute.util.choices import Mean
 from comminute.util.equality import same_values
 from comminute.util.errors import parameter_error
-from comminute.util.optional import needs
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ColumnLatticeResult:
+class ColumnLatticeResult(Profiles):
     """Gradings of a column by height and time: T times, Z rows, M cells a row.
 
     Attributes
@@ -136,17 +132,3 @@ class ColumnLatticeResult:
     def __repr__(self) -> str:
         times, rows, cells = self.psi.shape
         return f"<ColumnLatticeResult: {times} times to {self.time[-1]:g} s, {rows} rows of {cells} cells>"
-
-    def plot(self, percent: float = 50.0) -> Figure:
-        """Draw a size D_x over height and time; needs matplotlib.
-
-        Raises
-        ------
-        ImportError
-            Naming the extra to install.
-        """
-        try:
-            from comminute.plotting.columns import plot_column  # noqa: PLC0415  (matplotlib is optional)
-        except ImportError as error:
-            raise needs("plot", "matplotlib", "plot") from error
-        return plot_column(self.time, self.z, self.percentile(percent), f"D{percent:g}", self.unit)

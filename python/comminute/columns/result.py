@@ -4,27 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from comminute._core import Fabric, LogGrid, PointMass, ResolvedGrid
+from comminute.columns.profiles import Profiles
 from comminute.gradings.curves import SizeCurve
 from comminute.util.choices import Mean
 from comminute.util.equality import same_values
 from comminute.util.errors import parameter_error
-from comminute.util.optional import needs
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Floats = npt.NDArray[np.float64]
 NO_MASS = 1e-15  # at an exact size, which is rounding
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class ColumnResult:
+class ColumnResult(Profiles):
     """Gradings of a column by height and time: T times, Z rows, N bins, M nodes (bins and exact sizes).
 
     Attributes
@@ -159,6 +155,8 @@ class ColumnResult:
 
         Raises
         ------
+        IndexError
+            If there is no such time or row.
         ParameterError
             For a time whose fabrics are not kept.
         """
@@ -181,20 +179,6 @@ class ColumnResult:
     def __repr__(self) -> str:
         times, rows = self.crushes.shape
         return f"<ColumnResult: {times} times to {self.time[-1]:g} s, {rows} rows of {self.grid.nodes} nodes>"
-
-    def plot(self, percent: float = 50.0) -> Figure:
-        """Draw a size D_x over height and time; needs matplotlib.
-
-        Raises
-        ------
-        ImportError
-            Naming the extra to install.
-        """
-        try:
-            from comminute.plotting.columns import plot_column  # noqa: PLC0415  (matplotlib is optional)
-        except ImportError as error:
-            raise needs("plot", "matplotlib", "plot") from error
-        return plot_column(self.time, self.z, self.percentile(percent), f"D{percent:g}", self.unit)
 
 
 def _values(result: ColumnResult) -> list[object]:

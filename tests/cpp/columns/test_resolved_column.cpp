@@ -74,6 +74,9 @@ TEST_CASE("what does not fit is refused") {
                     ShapeError);
     CHECK_THROWS_AS(fresh.advance(-1.0, drive()), ParameterError);
     CHECK_THROWS_AS(fresh.pmf(3), ParameterError);
+    ResolvedColumnRecord broken = fresh.record();
+    broken.rows.back().start.pop_back();
+    CHECK_THROWS_AS(ResolvedColumn(small, Material{}, broken, 3.0), ShapeError);
     CHECK_THROWS_AS(fresh.load_to(std::vector<double>{1.0}), ShapeError);
     ResolvedColumnOptions locked;
     locked.partners = Partners::locked;

@@ -279,6 +279,24 @@ def test_a_time_is_divided_so_that_no_pair_of_sizes_passes_its_limit() -> None:
     assert result.mass.min() >= 0.0
 
 
+def test_limits_that_allow_everything_still_replace_no_more_than_there_is() -> None:
+    rows = [cm.monodisperse(1.0), cm.monodisperse(0.35)]
+    column = cm.Column(
+        SHARP,
+        rows,
+        height=2.0,
+        cells=2,
+        neighbour_length=0.5,
+        grid=SMALL,
+        largest_mixing=1.0,
+        largest_segregation=1.0,
+    )
+    result = column.run([0.0, 5.0], stress_ratio=0.0, mixing=1.0, segregation=1.0, fabrics="none")
+    assert result.mass.min() >= 0.0
+    assert result.mass_error.max() < 1e-14
+    assert min(column.triples(row).min() for row in range(2)) >= 0.0
+
+
 def test_what_is_fed_moves_the_rows_on_and_is_accounted_for() -> None:
     coarse, fine = cm.monodisperse(1.0), cm.monodisperse(0.35)
     column = cm.Column(
@@ -378,6 +396,8 @@ def test_other_mistakes_are_named() -> None:
     for lower in (2.0, 0.0):
         with pytest.raises(cm.ParameterError, match="must be at least 4, the largest so far of the grains there"):
             column.run([0.0, 1.0], stress_ratio=lower, mixing=0.01)
+    with pytest.raises(cm.ParameterError, match="sizes are ends of bins that are made; give them or a grid"):
+        equal_rows(2, grid=SMALL, sizes=[0.5])
     rising = cm.Column(
         SHARP,
         cm.monodisperse(1.0),
